@@ -1,0 +1,1 @@
+"""Dual-colour slicing without Blender: numpy, shapely and Pillow only, never bpy."""

@@ -1,0 +1,40 @@
+"""The errors a user can cause; everything else that is raised is a bug and keeps its traceback."""
+
+from __future__ import annotations
+
+
+class PrintError(Exception):
+    """A job that cannot go on, told to the user in one sentence.
+
+    Attributes:
+        message: what is wrong, one sentence without a full stop.
+        hint: what to do about it, one sentence without a full stop, or "".
+    """
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+    def __str__(self) -> str:
+        return f"{self.message}: {self.hint}" if self.hint else self.message
+
+
+class SettingsError(PrintError):
+    """A setting that is unknown, of the wrong type or out of its limits."""
+
+
+class MeshError(PrintError):
+    """Geometry that cannot be sliced: empty, not finite, open or larger than the bed."""
+
+
+class TextureError(PrintError):
+    """A picture or UV map that is missing or unusable."""
+
+
+class OutputError(PrintError):
+    """A file that cannot be written."""
+
+
+class Cancelled(Exception):
+    """The user pressed Esc; not an error, nothing is reported and nothing is left behind."""

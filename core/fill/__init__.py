@@ -1,0 +1,1 @@
+"""What lies behind the waved outline: straight walls, skins and sparse fill."""

@@ -1,0 +1,1 @@
+"""G-code for the Replicator 2X."""

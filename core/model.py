@@ -1,0 +1,75 @@
+"""The job's input: a polygon mesh in millimetres with its UVs, tones and textures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+Float32Array = NDArray[np.float32]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class ToneImage:
+    """A texture as tone in linear light, row 0 at v = 0 (the bottom).
+
+    Attributes:
+        tone: (H, W) float32, 0 black to 1 white.
+        alpha: (H, W) float32, 0 where nothing is painted (never "black").
+    """
+
+    tone: Float32Array
+    alpha: Float32Array
+
+
+@dataclass(frozen=True)
+class SurfaceModel:
+    """A mesh of polygons as Blender has it, placed in the world, Z up, in mm.
+
+    Attributes:
+        vertices: (V, 3) float64 mm.
+        polygon_start: (P + 1,) int64, where each polygon's corners start.
+        corner_vertex: (C,) int64, vertex of each corner.
+        corner_uv: (C, 2) float64, or None where the mesh has no UV map.
+        corner_tone: (C,) float64 tone from a colour attribute (background blended in), or None.
+        polygon_texture: (P,) int64 index into `textures`, -1 where a polygon has none.
+        textures: the pictures.
+        name: of the object, for headers and messages.
+    """
+
+    vertices: FloatArray
+    polygon_start: IntArray
+    corner_vertex: IntArray
+    corner_uv: FloatArray | None
+    corner_tone: FloatArray | None
+    polygon_texture: IntArray
+    textures: tuple[ToneImage, ...] = ()
+    name: str = "object"
+
+
+@dataclass(frozen=True)
+class TriangleMesh:
+    """The triangulated, welded, placed mesh that is sliced.
+
+    Attributes:
+        vertices: (V, 3) float64 mm, on the bed, Z up, no two at the same place.
+        faces: (F, 3) int64, no face uses a vertex twice.
+        face_uv: (F, 3, 2) float64 UV of each corner (zeros without a UV map).
+        face_tone: (F, 3) float64 tone of each corner from a colour attribute, NaN where there is none.
+        face_texture: (F,) int64 index of the texture, -1 for none.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+    face_uv: FloatArray
+    face_tone: FloatArray
+    face_texture: IntArray
+
+    @property
+    def bounds(self) -> FloatArray:
+        """(2, 3) mm, the least and the greatest corner."""
+        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])

@@ -1,0 +1,198 @@
+"""Every setting of a print, its default, unit and limits: the one place where they are declared.
+
+The sidebar's properties, the command line and the header of the G-code are all made from `PrintSettings`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import Field, asdict, dataclass, field, fields, replace
+from typing import Any
+
+from .errors import SettingsError
+
+
+def setting(
+    default: Any,
+    description: str,
+    unit: str = "",
+    low: float | None = None,
+    high: float | None = None,
+    choices: tuple[str, ...] = (),
+    group: str = "print",
+) -> Any:
+    """Declare a field of `PrintSettings` with all that the panels and the validation need to know.
+
+    `low` and `high` are inclusive; `unit` is one of mm, mm/s, mm3, °C, °, s, %, g/cm3 or "" (a plain number).
+    """
+    metadata = {"description": description, "unit": unit, "low": low, "high": high, "choices": choices, "group": group}
+    return field(default=default, metadata=metadata)
+
+
+@dataclass(frozen=True)
+class PrintSettings:
+    """What to print and how; immutable, validated when made. Lengths are mm, temperatures °C, angles degrees.
+
+    Raises:
+        SettingsError: a value of the wrong type, not finite, out of its limits, or at odds with another one.
+    """
+
+    # Slicing
+    layer_height: float = setting(0.25, "Height of every layer above the first", "mm", 0.05, 0.5)
+    first_layer_height: float = setting(0.25, "Height of the first layer", "mm", 0.05, 0.5)
+    center_on_bed: bool = setting(True, "Move the object to the middle of the bed, its lowest point on the bed")
+    gap_closing_radius: float = setting(0.05, "Gaps in an outline up to twice this are closed", "mm", 0.0, 2.0)
+
+    # Pattern
+    pattern: str = setting(
+        "wave_offset",
+        "How tone is made: waves only (the paper), waves and setting the line back, or setting back alone",
+        choices=("wave", "wave_offset", "offset"),
+        group="pattern",
+    )
+    wavelength: float = setting(
+        1.2, "Least distance between two waves along the outline; the greatest is twice this", "mm", 0.4, 10, group="pattern"
+    )
+    wave_depth_max: float = setting(
+        0.75, "Depth of an unattenuated wave, peak to peak", "mm", 0.0, 3.0, group="pattern"
+    )
+    wave_depth_min: float = setting(
+        0.375, "Depth of a fully attenuated wave, peak to peak", "mm", 0.0, 3.0, group="pattern"
+    )
+    offset_max: float = setting(
+        0.3, "How far the line of a fully attenuated colour is set back behind the surface", "mm", 0.0, 2.0, group="pattern"
+    )
+    projection_threshold: float = setting(
+        0.6, "A sample farther than this from the next layer's outline is not carried on", "mm", 0.05, 5.0, group="pattern"
+    )
+    relaxation: float = setting(
+        0.05, "Share of the way to the middle of its neighbours that a sample is moved on each layer", "", 0.0, 0.5, group="pattern"
+    )
+    flat_layers: int = setting(0, "Layers at the bottom that are printed without a wave", "", 0, 1000, group="pattern")
+    chord_tolerance: float = setting(
+        0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
+    )
+
+    # Texture
+    background_tone: float = setting(
+        0.5, "Tone where nothing is painted: 0 is the black filament, 1 the white one", "", 0.0, 1.0, group="texture"
+    )
+    texture_filter: str = setting(
+        "trilinear",
+        "How a texture finer than the print is averaged: mip maps, or a Lanczos reduction to one texel a layer pair",
+        choices=("trilinear", "lanczos"),
+        group="texture",
+    )
+
+    # Walls and fill
+    extrusion_width: float = setting(0.4, "Width of an extruded line", "mm", 0.2, 1.2)
+    perimeters: int = setting(1, "Straight walls behind the waved outline", "", 0, 20)
+    bottom_solid_layers: int = setting(3, "Solid layers at the bottom", "", 0, 100)
+    top_solid_layers: int = setting(3, "Solid layers at the top", "", 0, 100)
+    infill_density: float = setting(10.0, "Share of the inside that is filled", "%", 0.0, 100.0)
+    infill_pattern: str = setting("rectilinear", "Lines in one direction a layer, or in two", choices=("rectilinear", "grid"))
+    infill_angle: float = setting(45.0, "Direction of the fill; it alternates between + and - this angle", "°", 0.0, 90.0)
+    infill_overlap: float = setting(15.0, "How far the fill reaches into the wall, in % of the line width", "%", 0.0, 50.0)
+
+    # Order
+    outer_wall_first: bool = setting(False, "Print the waved outline before the walls behind it")
+    seam_position: str = setting("rear", "Where outlines start and end", choices=("aligned", "rear"))
+
+    # Adhesion and tower
+    skirts: int = setting(1, "Loops of the skirt around the first layer", "", 0, 10)
+    skirt_distance: float = setting(6.0, "Distance of the skirt from the object", "mm", 1.0, 50.0)
+    tower_type: str = setting("w", "Cleaning tower that primes a nozzle after each tool change", choices=("w", "none"))
+    tower_distance: float = setting(8.0, "Distance of the cleaning tower from the object", "mm", 2.0, 100.0)
+    tower_width: float = setting(16.0, "Width of the cleaning tower's W", "mm", 5.0, 60.0)
+    tower_depth: float = setting(8.0, "Depth of the cleaning tower's W", "mm", 3.0, 60.0)
+
+    # Speed
+    outline_speed: float = setting(40.0, "Speed of walls", "mm/s", 1.0, 300.0)
+    wave_speed: float = setting(30.0, "Speed of the waved outline along its path", "mm/s", 1.0, 300.0)
+    skin_speed: float = setting(60.0, "Speed of solid top and bottom fill", "mm/s", 1.0, 300.0)
+    infill_speed: float = setting(80.0, "Speed of sparse fill", "mm/s", 1.0, 300.0)
+    tower_speed: float = setting(60.0, "Speed of the cleaning tower", "mm/s", 1.0, 300.0)
+    first_layer_speed: float = setting(30.0, "Greatest extruding speed on the first layer", "mm/s", 1.0, 300.0)
+    travel_speed: float = setting(150.0, "Speed of moves that do not extrude", "mm/s", 1.0, 300.0)
+
+    # Extrusion and retraction
+    extrusion_multiplier: float = setting(1.0, "Factor on all extruded amounts", "", 0.5, 2.0)
+    retract_length: float = setting(1.3, "Filament pulled back before a travel", "mm", 0.0, 10.0)
+    retract_length_toolchange: float = setting(4.0, "Filament pulled back before a tool change", "mm", 0.0, 20.0)
+    retract_speed: float = setting(25.0, "Speed of pulling back and priming", "mm/s", 1.0, 26.0)
+    retract_before_travel: float = setting(1.5, "Shorter travels do not retract", "mm", 0.0, 50.0)
+    z_hop: float = setting(0.4, "Lift at a tool change", "mm", 0.0, 5.0)
+
+    # Filament and temperature (tool 0, right nozzle: black; tool 1, left nozzle: white)
+    black_tool: int = setting(0, "Tool that holds the black filament: 0 is the right nozzle, 1 the left", "", 0, 1, group="filament")
+    filament_diameter_0: float = setting(1.75, "Diameter of the filament in tool 0", "mm", 1.0, 3.5, group="filament")
+    filament_diameter_1: float = setting(1.75, "Diameter of the filament in tool 1", "mm", 1.0, 3.5, group="filament")
+    filament_density: float = setting(1.04, "Density of the filament; ABS is 1.04", "g/cm3", 0.5, 5.0, group="filament")
+    nozzle_temperature_0: float = setting(230.0, "Temperature of tool 0", "°C", 0.0, 280.0, group="filament")
+    nozzle_temperature_1: float = setting(230.0, "Temperature of tool 1", "°C", 0.0, 280.0, group="filament")
+    bed_temperature: float = setting(110.0, "Temperature of the bed", "°C", 0.0, 130.0, group="filament")
+
+    def __post_init__(self) -> None:
+        for declared in fields(self):
+            object.__setattr__(self, declared.name, checked(declared, getattr(self, declared.name)))
+        if self.wave_depth_min > self.wave_depth_max:
+            raise SettingsError("wave_depth_min is greater than wave_depth_max", "make the minimum the smaller one")
+
+    def as_dict(self) -> dict[str, Any]:
+        """All settings by name, JSON-ready."""
+        return asdict(self)
+
+    def changed(self, values: Mapping[str, Any]) -> PrintSettings:
+        """A copy with some settings changed; text such as "0.2" or "true" is understood.
+
+        Raises:
+            SettingsError: an unknown name or a value that does not fit.
+        """
+        known = {declared.name: declared for declared in fields(self)}
+        for name in values:
+            if name not in known:
+                raise SettingsError(f"there is no setting named {name}", "docs/settings.md lists them all")
+        return replace(self, **{name: checked(known[name], value) for name, value in values.items()})
+
+
+def checked(declared: Field[Any], value: Any) -> Any:
+    """The value in the declared type and within its limits.
+
+    Raises:
+        SettingsError: it does not fit.
+    """
+    name, limits, kind = declared.name, declared.metadata, type(declared.default)
+    try:
+        value = _converted(kind, value)
+    except (TypeError, ValueError, OverflowError):
+        raise SettingsError(f"{name} = {value!r} is not {_KIND_NAMES[kind]}") from None
+    if limits["choices"] and value not in limits["choices"]:
+        raise SettingsError(f"{name} = {value!r} is not one of {', '.join(limits['choices'])}")
+    if limits["low"] is not None and not limits["low"] <= value <= limits["high"]:
+        unit = f" {limits['unit']}" if limits["unit"] else ""
+        raise SettingsError(f"{name} = {value:g} is outside {limits['low']:g} to {limits['high']:g}{unit}")
+    return value
+
+
+_KIND_NAMES = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
+_TRUTH = {"true": True, "1": True, "yes": True, "on": True, "false": False, "0": False, "no": False, "off": False}
+
+
+def _converted(kind: type, value: Any) -> Any:
+    if kind is str:
+        if not isinstance(value, str):
+            raise TypeError
+        return value
+    if kind is bool:
+        if isinstance(value, str) and value.lower() in _TRUTH:
+            return _TRUTH[value.lower()]
+        if not isinstance(value, bool):
+            raise TypeError
+        return value
+    if isinstance(value, bool):
+        raise TypeError
+    number = float(value)
+    if not math.isfinite(number) or (kind is int and number != int(number)):
+        raise ValueError
+    return kind(number)

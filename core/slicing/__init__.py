@@ -1,0 +1,1 @@
+"""From triangles to the clean, textured outlines of every layer."""

@@ -1,0 +1,1 @@
+"""From outlines and fill to the ordered moves of the whole print."""

@@ -1,0 +1,106 @@
+"""The two tables that every feature of the print ends in: unordered paths, then ordered moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+
+
+class Feature(IntEnum):
+    """What a line of the print is for."""
+
+    TRAVEL = 0
+    RETRACT = 1
+    OUTER_WALL = 2
+    INNER_WALL = 3
+    SKIN = 4
+    INFILL = 5
+    TOWER = 6
+    SKIRT = 7
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Polylines to extrude, of all layers, in no order yet. K paths with N points in all.
+
+    Attributes:
+        points: (N, 2) float64 mm; a closed path does not repeat its first point.
+        start: (K + 1,) int64, where each path's points start.
+        layer: (K,) int64.
+        feature: (K,) int64, a `Feature`.
+        island: (K,) int64, which connected region of its layer a path belongs to; printed together.
+        closed: (K,) bool.
+        width: (N,) float64 mm, of the line that leaves each point.
+    """
+
+    points: FloatArray
+    start: IntArray
+    layer: IntArray
+    feature: IntArray
+    island: IntArray
+    closed: BoolArray
+    width: FloatArray
+
+    @staticmethod
+    def empty() -> Paths:
+        """No path at all."""
+        none = np.zeros(0, dtype=np.int64)
+        return Paths(np.zeros((0, 2)), np.zeros(1, dtype=np.int64), none, none, none, none.astype(bool), np.zeros(0))
+
+    @staticmethod
+    def joined(parts: list[Paths]) -> Paths:
+        """All paths of several tables in one."""
+        parts = [part for part in parts if len(part.layer)] or [Paths.empty()]
+        counts = np.concatenate([np.diff(part.start) for part in parts])
+        return Paths(
+            points=np.concatenate([part.points for part in parts]),
+            start=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+            layer=np.concatenate([part.layer for part in parts]),
+            feature=np.concatenate([part.feature for part in parts]),
+            island=np.concatenate([part.island for part in parts]),
+            closed=np.concatenate([part.closed for part in parts]),
+            width=np.concatenate([part.width for part in parts]),
+        )
+
+
+@dataclass(frozen=True)
+class Moves:
+    """The print in order: row i moves the nozzle from position i - 1 to position i. M rows.
+
+    A row either travels (no filament), retracts or primes (no motion, filament < 0 or > 0, feature RETRACT) or
+    extrudes (motion and filament > 0). Where `tool` differs from the row before, the tool is changed before the
+    row; that row is a travel.
+
+    Attributes:
+        position: (M, 3) float64 mm, of the active nozzle.
+        tool: (M,) int64, 0 or 1.
+        feature: (M,) int64, a `Feature`.
+        layer: (M,) int64.
+        width: (M,) float64 mm, 0 where nothing is extruded.
+        height: (M,) float64 mm, layer height, 0 where nothing is extruded.
+        speed: (M,) float64 mm/s, along the path; of the filament in retractions.
+        filament: (M,) float64 mm of filament fed during the row, negative in a retraction.
+    """
+
+    position: FloatArray
+    tool: IntArray
+    feature: IntArray
+    layer: IntArray
+    width: FloatArray
+    height: FloatArray
+    speed: FloatArray
+    filament: FloatArray
+
+    @property
+    def extrudes(self) -> BoolArray:
+        """(M,) bool, rows that lay down a strand."""
+        return (self.filament > 0) & (self.feature != Feature.RETRACT)
+
+    @staticmethod
+    def joined(parts: list[Moves]) -> Moves:
+        """Several tables one after the other."""
+        return Moves(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(Moves)))

@@ -1,0 +1,21 @@
+"""Make the repository importable as the package `dualcolor`, and find the test data where it lies."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+from launcher import load_package  # noqa: E402
+
+load_package()
+DATA = ROOT.parent / "shared" / "data"
+
+
+@pytest.fixture(scope="session")
+def data() -> Path:
+    """The folder of real meshes and images; tests that need it are skipped where it is not."""
+    if not DATA.is_dir():
+        pytest.skip("the folder ../shared/data with the test meshes is not here")
+    return DATA
