@@ -1,0 +1,1 @@
+"""One user action each: read the settings, call the pipeline, report."""
