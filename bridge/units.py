@@ -1,12 +1,23 @@
-"""The one place where scene units become millimetres."""
+"""Scene units and millimetres: the only place where one becomes the other."""
 
 from __future__ import annotations
 
 import bpy
 
+MM_PER_METRE = 1000.0
+
 
 def mm_per_unit(scene: bpy.types.Scene) -> float:
-    """Millimetres in one scene unit; a scene without a unit system counts in mm, as STL files do."""
-    if scene.unit_settings.system == "NONE":
-        return 1.0
-    return float(scene.unit_settings.scale_length) * 1000.0
+    """Millimetres in one unit of the scene's coordinates.
+
+    A unit is `scale_length` metres. A scene without a unit system has plain numbers, which are read as mm, as
+    slicers read a mesh file.
+    """
+    units = scene.unit_settings
+    return 1.0 if units.system == "NONE" else MM_PER_METRE * units.scale_length
+
+
+def use_millimetres(scene: bpy.types.Scene) -> None:
+    """Make one unit of a scene one millimetre, and show lengths that way."""
+    units = scene.unit_settings
+    units.system, units.scale_length, units.length_unit = "METRIC", 1.0 / MM_PER_METRE, "MILLIMETERS"
