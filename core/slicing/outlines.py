@@ -1,0 +1,131 @@
+"""Closed outlines of all layers as flat arrays, each segment with the face and the UVs that it was cut from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Outlines:
+    """M closed loops with N points in all; a loop does not repeat its first point.
+
+    Segment i runs from point i to the next point of its loop and lies in one face, so what it carries from the
+    surface is linear along it and never jumps at a UV seam.
+
+    Attributes:
+        points: (N, 2) float64 mm.
+        start: (M + 1,) int64, where each loop's points start.
+        layer: (M,) int64, not decreasing.
+        face: (N,) int64, the face that segment i was cut from.
+        carried: (N, 2, 3) float64, u, v and vertex tone at both ends of segment i.
+    """
+
+    points: FloatArray
+    start: IntArray
+    layer: IntArray
+    face: IntArray
+    carried: FloatArray
+
+    @property
+    def count(self) -> IntArray:
+        """(M,) points of each loop."""
+        return np.diff(self.start)
+
+    @property
+    def loop(self) -> IntArray:
+        """(N,) the loop of each point."""
+        return np.repeat(np.arange(len(self.layer)), self.count)
+
+    @property
+    def following(self) -> IntArray:
+        """(N,) index of the next point of the same loop."""
+        return following(self.start)
+
+    @property
+    def ends(self) -> FloatArray:
+        """(N, 2) mm, where each segment ends."""
+        return self.points[self.following]
+
+    @property
+    def signed_area(self) -> FloatArray:
+        """(M,) mm², positive for counter-clockwise loops."""
+        ends = self.ends
+        # Relative to a point of the loop itself, so that a far-away loop loses no digits.
+        origin = np.repeat(self.points[self.start[:-1]], self.count, axis=0)
+        near, far = self.points - origin, ends - origin
+        return sums(near[:, 0] * far[:, 1] - near[:, 1] * far[:, 0], self.start) / 2
+
+    def selected(self, keep: BoolArray) -> Outlines:
+        """Only the loops that `keep` (M,) marks."""
+        points = np.repeat(keep, self.count)
+        return Outlines(
+            self.points[points], starts(self.count[keep]), self.layer[keep], self.face[points], self.carried[points]
+        )
+
+    def reversed(self, turn: BoolArray) -> Outlines:
+        """The loops that `turn` (M,) marks run the other way round."""
+        if not turn.any():
+            return self
+        turned = np.repeat(turn, self.count)
+        index = np.arange(len(self.points))
+        mirrored = (self.start[:-1] + self.start[1:] - 1)[self.loop] - index
+        point = np.where(turned, mirrored, index)
+        # Reversed point k is old point n-1-k; the segment that leaves it is the one that used to arrive there.
+        arriving = np.where(turned, _before(self.start)[point], index)
+        carried = self.carried[arriving]
+        carried[turned] = carried[turned, ::-1]
+        return Outlines(self.points[point], self.start, self.layer, self.face[arriving], carried)
+
+    @staticmethod
+    def joined(parts: list[Outlines]) -> Outlines:
+        """All loops of several tables, ordered by layer."""
+        layer = np.concatenate([part.layer for part in parts])
+        count = np.concatenate([part.count for part in parts])
+        order = np.argsort(layer, kind="stable")
+        start = starts(count)
+        index = ranges(start[:-1][order], count[order])
+        return Outlines(
+            np.concatenate([part.points for part in parts])[index],
+            starts(count[order]),
+            layer[order],
+            np.concatenate([part.face for part in parts])[index],
+            np.concatenate([part.carried for part in parts])[index],
+        )
+
+
+def starts(count: IntArray) -> IntArray:
+    """(M + 1,) offsets of groups with `count` (M,) members each."""
+    return np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
+
+
+def ranges(first: IntArray, count: IntArray) -> IntArray:
+    """The integers first[k], first[k] + 1, … (count[k] of them) for every k, one after the other."""
+    offsets = starts(count)
+    return np.arange(offsets[-1]) + np.repeat(first - offsets[:-1], count)
+
+
+def following(start: IntArray) -> IntArray:
+    """(N,) index of the next member in a cyclic group; `start` (M + 1,) are offsets, empty groups allowed."""
+    index = np.arange(1, start[-1] + 1, dtype=np.int64)
+    filled = start[1:] > start[:-1]
+    index[start[1:][filled] - 1] = start[:-1][filled]
+    return index
+
+
+def _before(start: IntArray) -> IntArray:
+    index = np.arange(-1, start[-1] - 1, dtype=np.int64)
+    filled = start[1:] > start[:-1]
+    index[start[:-1][filled]] = start[1:][filled] - 1
+    return index
+
+
+def sums(values: FloatArray, start: IntArray) -> FloatArray:
+    """(M,) sum of the values of each group; 0 for an empty one."""
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    if len(values) and (np.diff(start) > 0).all():
+        return np.add.reduceat(values, start[:-1])
+    return np.asarray(total[start[1:]] - total[start[:-1]])

@@ -1,0 +1,46 @@
+"""Where the layers lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import MeshError
+from ..model import FloatArray
+from ..settings import PrintSettings
+
+
+@dataclass(frozen=True)
+class Layers:
+    """The stack of L layers.
+
+    Attributes:
+        plane: (L,) mm, the height at which each layer's outline is taken, the middle of the layer.
+        top: (L,) mm, where the nozzle prints it.
+        height: (L,) mm.
+    """
+
+    plane: FloatArray
+    top: FloatArray
+    height: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.plane)
+
+
+def layer_stack(object_height: float, settings: PrintSettings) -> Layers:
+    """The layers of an object `object_height` mm tall, standing on the bed.
+
+    Raises:
+        MeshError: the object is too low for a single layer.
+    """
+    first, usual = settings.first_layer_height, settings.layer_height
+    # A layer is printed where the object reaches its middle.
+    more = int(np.ceil((object_height - first - usual / 2) / usual - 1e-9))
+    if object_height <= first / 2:
+        raise MeshError(f"the object is only {object_height:.3g} mm high, less than half a layer", "scale it up")
+    height = np.full(1 + max(more, 0), usual)
+    height[0] = first
+    top = first + usual * np.arange(len(height))
+    return Layers(top - height / 2, top, height)

@@ -1,0 +1,88 @@
+"""The slicing stage: mesh → clean outlines and regions of every layer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import MeshError
+from ..model import IntArray, TriangleMesh
+from ..settings import PrintSettings
+from .intersect import intersect
+from .link import link
+from .outlines import Outlines, starts, sums
+from .planes import Layers, layer_stack
+from .regions import boundary_loops, crossing_layers, layer_regions, region_polygons
+from .union import united
+
+# Loops smaller than this hold no strand (mm²); they come from vertices that touch a plane.
+SMALLEST_AREA = 1e-3
+
+
+@dataclass(frozen=True)
+class Slices:
+    """All layers of the object.
+
+    Attributes:
+        layers: the stack of L layers.
+        outlines: M loops, counter-clockwise around material, clockwise around holes.
+        polygons: (I,) connected regions as shapely polygons.
+        polygon_layer: (I,) layer of each.
+        loop_polygon: (M,) the region that each loop bounds.
+        regions: (L,) all of a layer's regions as one multipolygon.
+        united_layers: how many layers had loops that cross and were united.
+    """
+
+    layers: Layers
+    outlines: Outlines
+    polygons: NDArray[np.object_]
+    polygon_layer: IntArray
+    loop_polygon: IntArray
+    regions: NDArray[np.object_]
+    united_layers: int
+
+
+def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
+    """Slice the mesh at the middle of every layer.
+
+    Raises:
+        MeshError: the mesh is open, too low, or has no inside.
+    """
+    stack = layer_stack(float(mesh.vertices[:, 2].max()), settings)
+    raw = link(intersect(mesh, stack.plane), stack.plane, settings.gap_closing_radius)
+    outlines, parent = _nested(cleaned(raw))
+    polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
+    crossing = crossing_layers(polygons, polygon_layer, len(stack))
+    if crossing.any():
+        # Nesting says nothing about loops that cross: go back to the loops as they were cut.
+        outlines, parent = _nested(_united_where(cleaned(raw), crossing))
+        polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
+    if len(polygons) == 0:
+        raise MeshError("the mesh has no inside to print", "give it a volume, for example with a Solidify modifier")
+    regions = layer_regions(polygons, polygon_layer, len(stack))
+    return Slices(stack, outlines, polygons, polygon_layer, loop_polygon, regions, int(crossing.sum()))
+
+
+def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:
+    kept, _, parent = boundary_loops(outlines)
+    return kept, parent
+
+
+def _united_where(outlines: Outlines, crossing: NDArray[np.bool_]) -> Outlines:
+    parts = [outlines.selected(~crossing[outlines.layer])]
+    parts += [cleaned(united(outlines.selected(outlines.layer == layer))) for layer in np.flatnonzero(crossing)]
+    return Outlines.joined(parts)
+
+
+def cleaned(outlines: Outlines) -> Outlines:
+    """Without segments of no length and loops of no area."""
+    length = np.linalg.norm(outlines.ends - outlines.points, axis=1)
+    keep = length > 1e-7
+    count = sums(keep.astype(np.float64), outlines.start).astype(np.int64)
+    shorter = Outlines(
+        outlines.points[keep], starts(count), outlines.layer, outlines.face[keep], outlines.carried[keep]
+    )
+    shorter = shorter.selected(count >= 3)
+    return shorter.selected(np.abs(shorter.signed_area) > SMALLEST_AREA)

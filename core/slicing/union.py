@@ -1,0 +1,72 @@
+"""Layers whose loops cross: unite by the non-zero rule without losing what the segments carry."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from ..model import FloatArray, IntArray
+from .outlines import Outlines, starts
+
+
+def united(outlines: Outlines) -> Outlines:
+    """The boundary of the non-zero winding region of the loops of one layer.
+
+    Loops are noded where they cross, the faces of that arrangement whose winding number is not zero are merged, and
+    each segment of the new boundary takes over from the segment that it is a piece of.
+
+    Args:
+        outlines: any loops of a single layer; they may cross, overlap and run twice.
+    """
+    tails, heads = outlines.points, outlines.ends
+    lines = shapely.linestrings(np.stack([tails, heads], axis=1))
+    noded = shapely.union_all(lines)
+    cells = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
+    if len(cells) == 0:
+        return outlines.selected(np.zeros(len(outlines.layer), dtype=bool))
+    probe = shapely.get_coordinates(shapely.point_on_surface(cells))
+    solid = cells[winding_number(probe, tails, heads) != 0]
+    region = shapely.orient_polygons(shapely.union_all(solid))
+    rings = shapely.get_rings(shapely.get_parts(region))
+    points, ring = shapely.get_coordinates(rings, return_index=True)
+    last = np.append(ring[1:] != ring[:-1], True) if len(ring) else np.zeros(0, dtype=bool)
+    segment_tail, segment_head = points[~last], points[1:][~last[:-1]] if len(points) else points
+    face, carried = _taken_over(segment_tail, segment_head, outlines, lines)
+    count = np.bincount(ring[~last], minlength=len(rings)).astype(np.int64)
+    layer = np.full(len(rings), outlines.layer[0])
+    return Outlines(segment_tail, starts(count), layer, face, carried)
+
+
+def winding_number(probe: FloatArray, tails: FloatArray, heads: FloatArray) -> IntArray:
+    """(Q,) how often the segments wind around each probe point (Q, 2), counter-clockwise positive."""
+    number = np.zeros(len(probe), dtype=np.int64)
+    for chunk in np.array_split(np.arange(len(probe)), max(1, len(probe) * len(tails) // 4_000_000)):
+        x, y = probe[chunk, 0, None], probe[chunk, 1, None]
+        up = (tails[:, 1] <= y) & (heads[:, 1] > y)
+        down = (tails[:, 1] > y) & (heads[:, 1] <= y)
+        side = (heads[:, 0] - tails[:, 0]) * (y - tails[:, 1]) - (x - tails[:, 0]) * (heads[:, 1] - tails[:, 1])
+        number[chunk] = (up & (side > 0)).sum(axis=1) - (down & (side < 0)).sum(axis=1)
+    return number
+
+
+def _taken_over(tail: FloatArray, head: FloatArray, source: Outlines, lines: object) -> tuple[IntArray, FloatArray]:
+    """Face and carried values of new segments, each a piece of one of the old ones."""
+    tree = shapely.STRtree(lines)
+    middle = shapely.points((tail + head) / 2)
+    parent = tree.nearest(middle) if len(tail) else np.zeros(0, dtype=np.int64)
+    start, end = source.points[parent], source.ends[parent]
+    along = end - start
+    length2 = np.maximum((along**2).sum(axis=1), 1e-300)
+    carried = np.stack(
+        [
+            _interpolated(source.carried[parent], ((point - start) * along).sum(axis=1) / length2)
+            for point in (tail, head)
+        ],
+        axis=1,
+    )
+    return source.face[parent], carried
+
+
+def _interpolated(ends: FloatArray, share: FloatArray) -> FloatArray:
+    share = np.clip(share, 0, 1)[:, None]
+    return np.asarray(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]))
