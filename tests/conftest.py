@@ -10,6 +10,7 @@ sys.path.insert(0, str(ROOT))
 from launcher import load_package  # noqa: E402
 
 load_package()
+sys.path.insert(0, str(ROOT / "tests"))
 DATA = ROOT.parent / "shared" / "data"
 
 
@@ -19,3 +20,11 @@ def data() -> Path:
     if not DATA.is_dir():
         pytest.skip("the folder ../shared/data with the test meshes is not here")
     return DATA
+
+
+@pytest.fixture
+def scene():
+    """An empty Blender scene, the current one; tests that need it are skipped without the module `bpy`."""
+    bpy = pytest.importorskip("bpy")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return bpy.context.scene

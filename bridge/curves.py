@@ -1,0 +1,207 @@
+"""The preview: a collection of `Curves` objects made from the strands of the toolpath."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from ..core.beads import Strands, strands
+from ..core.model import FloatArray, IntArray, TriangleMesh
+from .materials import plastic
+from .units import mm_per_unit
+
+if TYPE_CHECKING:
+    from ..core.pipeline import DualColorPrint
+
+SOURCE_KEY = "dualcolor_source"
+STRANDS_KEY = "dualcolor_strands"
+_DISPLAY_KEY = "dualcolor_display"
+_RATIO_STEP = 1.1
+
+
+def build_preview(result: DualColorPrint, source: bpy.types.Object | None = None) -> bpy.types.Collection:
+    """Show the print as strands in the current scene, where its source stands, and the source as its bounds only.
+
+    The collection `<object> Dual-Color` is made, or its strands are replaced once the new ones are complete. It holds
+    one object a filament (and height-to-width ratio): poly lines with a `radius`, and `layer` and `feature` of each.
+
+    Args:
+        result: the print.
+        source: the mesh object that it was made from; without it the print stands on the bed, at the world's origin.
+
+    Returns:
+        The collection, linked to the scene.
+    """
+    scene = bpy.context.scene
+    unit = mm_per_unit(scene)
+    name = source.name if source else result.name
+    origin = _bed_origin(result.mesh, source, unit) if source else np.zeros(3)
+    laid = strands(result.moves)
+    new = [
+        _strand_object(f"{name} {colour}", laid.selected(chosen), ratio, unit, origin, colour)
+        for colour, chosen, ratio in _groups(laid, result.settings.black_tool)
+    ]
+    collection = preview_of(source) if source else bpy.data.collections.get(f"{name} Dual-Color")
+    collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
+    _replace_strands(collection, new, name)
+    if collection not in scene.collection.children_recursive:
+        scene.collection.children.link(collection)
+    set_drawing(scene)
+    if source:
+        collection[SOURCE_KEY] = source
+        show_print(source, True)
+    return collection
+
+
+def preview_of(source: bpy.types.Object) -> bpy.types.Collection | None:
+    """The collection that holds the strands of an object, or None."""
+    return next((held for held in bpy.data.collections if held.get(SOURCE_KEY) == source), None)
+
+
+def source_of(shown: bpy.types.Object | None) -> bpy.types.Object | None:
+    """The mesh object that strands were made from, if that is what is given; otherwise the object itself."""
+    if shown is None or not shown.get(STRANDS_KEY):
+        return shown
+    sources = (collection.get(SOURCE_KEY) for collection in shown.users_collection)
+    return next((source for source in sources if source), shown)
+
+
+def show_print(source: bpy.types.Object, shown: bool) -> None:
+    """Show the strands, and of the object only its bounds; or the object alone as it was.
+
+    The object is not hidden, for a hidden one is neither evaluated nor painted on.
+    """
+    collection = preview_of(source)
+    if collection is None:
+        return
+    if shown and _DISPLAY_KEY not in collection:
+        collection[_DISPLAY_KEY] = {"type": source.display_type, "hide_render": source.hide_render}
+        source.display_type, source.hide_render = "BOUNDS", True
+    elif not shown and _DISPLAY_KEY in collection:
+        former = collection[_DISPLAY_KEY]
+        source.display_type, source.hide_render = former["type"], bool(former["hide_render"])
+        del collection[_DISPLAY_KEY]
+    collection.hide_viewport = collection.hide_render = not shown
+
+
+def is_print_shown(source: bpy.types.Object) -> bool:
+    """Whether the strands of an object are visible."""
+    collection = preview_of(source)
+    return collection is not None and not collection.hide_viewport
+
+
+def set_drawing(scene: bpy.types.Scene) -> None:
+    """Draw and render strands as round rods with the least work; before Blender 5 rods have open ends."""
+    scene.render.hair_type = "STRAND"
+    if hasattr(scene, "cycles_curves"):
+        shapes = scene.cycles_curves.bl_rna.properties["shape"].enum_items.keys()
+        scene.cycles_curves.shape = "THICK_LINEAR" if "THICK_LINEAR" in shapes else "THICK"
+
+
+def new_curves(
+    name: str, points: FloatArray, counts: IntArray, radius: FloatArray, labels: dict[str, IntArray]
+) -> bpy.types.Curves:
+    """Poly lines as a `Curves` datablock.
+
+    Args:
+        name: of the datablock.
+        points: (N, 3) in local scene units.
+        counts: (K,) points of each line.
+        radius: (N,) in local scene units.
+        labels: (K,) whole numbers of each line, by the name of the attribute that is to hold them.
+    """
+    data = bpy.data.hair_curves.new(name)
+    data.add_curves(counts.tolist())
+    # Never through the curve_type attribute: writing that with foreach_set corrupts the heap.
+    data.set_types(type="POLY")
+    data.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
+    attribute = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
+    attribute.data.foreach_set("value", radius.astype(np.float32))
+    for label, values in labels.items():
+        data.attributes.new(label, "INT", "CURVE").data.foreach_set("value", values.astype(np.int32))
+    data.update_tag()
+    return data
+
+
+def _groups(laid: Strands, black_tool: int) -> list[tuple[str, FloatArray, float]]:
+    """(colour, (K,) bool, height to width) of every object to make.
+
+    An object's scale warps all its rods to one oval, so strands are grouped by ratio, in steps of a tenth.
+    """
+    if not len(laid):
+        return []
+    mean_width = np.add.reduceat(laid.width, laid.start[:-1]) / np.diff(laid.start)
+    # Rounded first, so that equal widths whose mean differs in the last bit cannot fall on two sides of a step.
+    ratio = np.round(laid.height / mean_width, 6)
+    step = np.round(np.log(ratio) / np.log(_RATIO_STEP))
+    groups = []
+    for colour, tool in (("Black", black_tool), ("White", 1 - black_tool)):
+        for value in np.unique(step[laid.tool == tool]):
+            chosen = (laid.tool == tool) & (step == value)
+            groups.append((colour, chosen, float(np.median(ratio[chosen]))))
+    return groups
+
+
+def _strand_object(
+    name: str, laid: Strands, ratio: float, unit: float, origin: FloatArray, colour: str
+) -> bpy.types.Object:
+    """Strands as an object that is not linked to any collection yet; its scale in z makes the rods oval.
+
+    With z scaled by the ratio a rod of radius r becomes an oval of area π·r²·ratio, which must be width × height.
+    """
+    counts = np.diff(laid.start)
+    radius = np.sqrt(laid.width * np.repeat(laid.height, counts) / (np.pi * ratio)) / unit
+    points = laid.points / (unit, unit, unit * ratio)
+    data = new_curves(name, points, counts, radius, {"layer": laid.layer, "feature": laid.feature})
+    data.materials.append(plastic(colour))
+    made = bpy.data.objects.new(name, data)
+    made.location = origin / unit
+    made.scale = (1.0, 1.0, ratio)
+    made[STRANDS_KEY] = colour
+    return made
+
+
+def _replace_strands(collection: bpy.types.Collection, new: list[bpy.types.Object], name: str) -> None:
+    """Take the former strands out of the collection and put the new ones in; whatever else it holds stays."""
+    for former in [held for held in collection.objects if held.get(STRANDS_KEY)]:
+        data = former.data
+        bpy.data.objects.remove(former)
+        if not data.users:
+            bpy.data.hair_curves.remove(data)
+    collection.name = f"{name} Dual-Color"
+    for made in new:
+        collection.objects.link(made)
+        made.name = made.data.name = f"{name} {made[STRANDS_KEY]}"
+
+
+def _bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> FloatArray:
+    """(3,) mm, where the bed's origin lies in the world so that the print stands in its source's place."""
+    evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    data = evaluated.to_mesh()
+    local = np.empty(len(data.vertices) * 3, dtype=np.float32)
+    data.attributes["position"].data.foreach_get("vector", local)
+    corners = np.empty(len(data.loops), dtype=np.int32)
+    data.loops.foreach_get("vertex_index", corners)
+    evaluated.to_mesh_clear()
+    matrix = np.array(source.matrix_world)
+    world = local.reshape(-1, 3)[np.unique(corners)] @ matrix[:3, :3].T + matrix[:3, 3]
+    return world.min(axis=0) * unit - mesh.bounds[0]
+
+
+def read_strands(shown: bpy.types.Object) -> tuple[FloatArray, IntArray, FloatArray, dict[str, IntArray]]:
+    """What `new_curves` takes, read back from a strand object."""
+    data = shown.data
+    points = np.empty(len(data.points) * 3, dtype=np.float32)
+    data.attributes["position"].data.foreach_get("vector", points)
+    radius = np.empty(len(data.points), dtype=np.float32)
+    data.attributes["radius"].data.foreach_get("value", radius)
+    start = np.empty(len(data.curves) + 1, dtype=np.int32)
+    data.curve_offset_data.foreach_get("value", start)
+    labels = {}
+    for label in ("layer", "feature"):
+        values = np.empty(len(data.curves), dtype=np.int32)
+        data.attributes[label].data.foreach_get("value", values)
+        labels[label] = values.astype(np.int64)
+    return points.reshape(-1, 3).astype(np.float64), np.diff(start).astype(np.int64), radius.astype(np.float64), labels

@@ -1,0 +1,39 @@
+"""The two plastics of the predicted print."""
+
+from __future__ import annotations
+
+import bpy
+
+REFLECTANCE = {"Black": 0.02, "White": 0.8}
+"""Diffuse reflectance, linear, of ABS in both colours."""
+
+_ROUGHNESS = 0.4
+_REFRACTIVE_INDEX = 1.53
+
+
+def plastic(colour: str) -> bpy.types.Material:
+    """The material `<colour> ABS`; one that is there already is used as it is, so that a user may change it.
+
+    Args:
+        colour: "Black" or "White".
+    """
+    name = f"{colour} ABS"
+    return bpy.data.materials.get(name) or diffuse_material(name, REFLECTANCE[colour], _ROUGHNESS, _REFRACTIVE_INDEX)
+
+
+def diffuse_material(name: str, reflectance: float, roughness: float, refractive_index: float) -> bpy.types.Material:
+    """A new grey dielectric, the same in the viewport and in Cycles."""
+    material = bpy.data.materials.new(name)
+    material.diffuse_color = (reflectance, reflectance, reflectance, 1.0)
+    material.roughness = roughness
+    if material.node_tree is None:  # Blender 5 gives every material its nodes and warns about this line
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    nodes.clear()
+    surface = nodes.new("ShaderNodeBsdfPrincipled")
+    surface.inputs["Base Color"].default_value = (reflectance, reflectance, reflectance, 1.0)
+    surface.inputs["Roughness"].default_value = roughness
+    surface.inputs["IOR"].default_value = refractive_index
+    output = nodes.new("ShaderNodeOutputMaterial")
+    material.node_tree.links.new(surface.outputs["BSDF"], output.inputs["Surface"])
+    return material
