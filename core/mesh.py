@@ -1,0 +1,154 @@
+"""The object as it is sliced: checked, triangulated, welded and placed on the bed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .errors import MeshError, TextureError
+from .model import FloatArray, IntArray, SurfaceModel, TriangleMesh
+from .polygons import triangle_corners
+from .settings import PrintSettings
+
+REACH = np.array([[-105.0, -73.0, 0.0], [105.0, 73.0, 150.0]])
+"""(2, 3) mm, what both nozzles of a Replicator 2X can print on, origin at the bed's centre."""
+
+WELD_SHARE = 3e-7
+"""Vertices nearer than this share of the object's size are one: a few times the resolution of float32."""
+
+_FAR_AWAY_MM = 1e7  # beyond this, neighbouring vertices could no longer be told apart
+_REACH_TOLERANCE_MM = 1e-3
+
+
+def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
+    """Check, triangulate, weld and place a mesh.
+
+    With `center_on_bed` the middle of the bounding box goes to x = y = 0 and its lowest point to z = 0; else the
+    object stays where it is. Corners with a UV that is not finite lose their texture.
+
+    Raises:
+        MeshError: no faces, coordinates that are not finite, indices that do not fit, or a size that cannot be printed.
+        TextureError: a texture but no UV map.
+    """
+    _check_indices(model)
+    corner_vertex, vertices = _used_vertices(model)
+    _check_coordinates(vertices, model.name)
+    vertices = _placed(vertices, settings.center_on_bed)
+    _check_size(vertices, model.name, settings)
+    corners, polygon = triangle_corners(vertices, model.polygon_start, corner_vertex)
+    vertices, welded = _weld(vertices)
+    faces = welded[corner_vertex[corners]]
+    a, b, c = faces.T
+    proper = (a != b) & (b != c) & (c != a)
+    if not proper.any():
+        raise MeshError(f"{model.name} has no face with an area", "check the mesh for collapsed faces")
+    if not proper.all():
+        corners, polygon, faces = corners[proper], polygon[proper], faces[proper]
+    face_uv, face_texture = _painting(model, corners, polygon)
+    face_tone = np.full(corners.shape, np.nan) if model.corner_tone is None else model.corner_tone[corners]
+    return TriangleMesh(vertices, faces, face_uv, face_tone, face_texture)
+
+
+def _check_indices(model: SurfaceModel) -> None:
+    """Refuse a mesh without faces or with tables that do not fit each other."""
+    if len(model.polygon_start) < 2 or not len(model.vertices) or not (np.diff(model.polygon_start) > 2).any():
+        raise MeshError(f"{model.name} has no faces", "choose a mesh object with a closed surface")
+    start, corner = model.polygon_start, model.corner_vertex
+    fits = start[0] == 0 and start[-1] == len(corner) and (np.diff(start) >= 0).all()
+    if not fits or corner.min() < 0 or corner.max() >= len(model.vertices):
+        raise MeshError(f"{model.name} has faces that use vertices it does not have", "repair or export the mesh again")
+    if len(model.polygon_texture) != len(start) - 1 or model.polygon_texture.max() >= len(model.textures):
+        raise MeshError(f"{model.name} has faces that use textures it does not have", "assign the picture again")
+    if model.corner_uv is None and (model.polygon_texture >= 0).any():
+        raise TextureError(f"{model.name} has a texture but no UV map", "unwrap the mesh first")
+
+
+def _used_vertices(model: SurfaceModel) -> tuple[IntArray, FloatArray]:
+    """Corners' vertices (C,) and coordinates (V', 3) without the vertices that no face uses."""
+    used = np.zeros(len(model.vertices), dtype=bool)
+    used[model.corner_vertex] = True
+    if used.all():
+        return model.corner_vertex, np.asarray(model.vertices, dtype=np.float64)
+    renumbered = np.cumsum(used) - 1
+    return renumbered[model.corner_vertex], np.asarray(model.vertices[used], dtype=np.float64)
+
+
+def _check_coordinates(vertices: FloatArray, name: str) -> None:
+    if not np.isfinite(vertices).all():
+        count = int((~np.isfinite(vertices)).any(axis=1).sum())
+        number = "a vertex" if count == 1 else f"{count} vertices"
+        raise MeshError(f"{name} has {number} whose coordinates are not finite numbers", "delete or repair them")
+    farthest = np.abs(vertices).max()
+    if farthest > _FAR_AWAY_MM:
+        raise MeshError(f"{name} reaches {farthest:.3g} mm from the origin", "check its location, scale and unit")
+
+
+def _placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
+    """Vertices (V, 3), moved onto the middle of the bed if so wished."""
+    if not center_on_bed:
+        return vertices
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    anchor = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
+    moved: FloatArray = vertices - anchor
+    return moved
+
+
+def _check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None:
+    """Refuse what the printer cannot reach or what is too small to be meant."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    size = high - low
+    sizes = f"{' × '.join(_length(side) for side in size)} mm"
+    room = " × ".join(_length(side) for side in REACH[1] - REACH[0])
+    if (size > REACH[1] - REACH[0] + _REACH_TOLERANCE_MM).any():
+        raise MeshError(f"{name} is {sizes}, larger than the {room} mm that can be printed", "check its scale and unit")
+    if size.max() < 1.0:
+        raise MeshError(f"{name} is only {sizes}", "check its scale and unit: sizes are taken as millimetres")
+    if size[2] <= settings.first_layer_height / 2:
+        raise MeshError(f"{name} is {_length(size[2])} mm high, less than half a layer", "give it some thickness")
+    if low[2] < -_REACH_TOLERANCE_MM:
+        raise MeshError(f"{name} reaches {_length(-low[2])} mm below the bed", "raise it or turn on center_on_bed")
+    if (low < REACH[0] - _REACH_TOLERANCE_MM).any() or (high > REACH[1] + _REACH_TOLERANCE_MM).any():
+        raise MeshError(f"{name} lies beyond the {room} mm that can be printed", "move it or turn on center_on_bed")
+
+
+def _length(millimetres: float) -> str:
+    """A length in three digits or so, whole millimetres where that is enough."""
+    return f"{millimetres:.0f}" if 100 <= millimetres < 1e7 else f"{millimetres:.3g}"
+
+
+def _weld(vertices: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Merge vertices that lie at the same place.
+
+    On each axis the sorted coordinates are cut into runs wherever two are farther apart than the tolerance; vertices
+    in the same run on all three axes are one. Unlike a rounded grid this leaves no pair astride a cell border, and a
+    run that grows long by chance on one axis is cut by the two others.
+
+    Returns:
+        (W, 3) distinct vertices, each at the place of the first one merged, and (V,) where each vertex went.
+    """
+    tolerance = WELD_SHARE * np.ptp(vertices, axis=0).max()
+    key = np.zeros(len(vertices), dtype=np.int64)
+    for axis in range(3):
+        order = np.argsort(vertices[:, axis])
+        runs = np.concatenate([[0], np.cumsum(np.diff(vertices[order, axis]) > tolerance)])
+        run = np.empty(len(vertices), dtype=np.int64)
+        run[order] = runs
+        if axis == 2:  # two axes may fill 62 bits
+            key = np.unique(key, return_inverse=True)[1].astype(np.int64, copy=False)
+        key = key * (runs[-1] + 1) + run
+    _, first, welded = np.unique(key, return_index=True, return_inverse=True)
+    rank = np.argsort(first)  # keep the order of the vertices, so that neighbours stay near in memory
+    place = np.empty(len(rank), dtype=np.int64)
+    place[rank] = np.arange(len(rank))
+    return vertices[first[rank]], place[welded]
+
+
+def _painting(model: SurfaceModel, corners: IntArray, polygon: IntArray) -> tuple[FloatArray, IntArray]:
+    """UVs (T, 3, 2) and textures (T,) of triangles; where a UV is not finite there is no texture."""
+    texture = np.maximum(model.polygon_texture[polygon], -1)
+    if model.corner_uv is None:
+        return np.zeros((*corners.shape, 2)), texture
+    uv = np.asarray(model.corner_uv[corners], dtype=np.float64)
+    broken = ~np.isfinite(uv).all(axis=(1, 2))
+    if broken.any():
+        uv[broken], texture[broken] = 0.0, -1
+    return uv, texture
