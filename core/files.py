@@ -1,0 +1,56 @@
+"""Writing files so that a failed job leaves what was there."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+
+from .errors import OutputError
+
+_REASONS = {
+    errno.ENOENT: "its folder does not exist",
+    errno.ENOTDIR: "its folder is a file",
+    errno.EISDIR: "it is a folder",
+    errno.EACCES: "there is no permission to write there",
+    errno.EPERM: "there is no permission to write there",
+    errno.EROFS: "there is no permission to write there",
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the disk is full",
+    errno.ENAMETOOLONG: "its name is too long",
+}
+
+
+def write_file(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write a file whole or not at all: under a temporary name beside it, then renamed.
+
+    Args:
+        path: where to; an existing file is replaced, its folder must exist.
+        data: the content.
+
+    Raises:
+        OutputError: the file cannot be written; whatever was there before is untouched.
+    """
+    target = Path(os.path.realpath(path))
+    try:
+        if target.exists() and not target.is_file() and not target.is_dir():
+            target.write_bytes(data)  # a device such as /dev/null must not be renamed over
+            return
+        if target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, "is a folder")
+        if target.exists() and not os.access(target, os.W_OK):
+            raise PermissionError(errno.EACCES, "is read-only")
+        _write_beside_and_rename(target, data)
+    except OSError as error:
+        reason = _REASONS.get(error.errno or 0, error.strerror or str(error))
+        raise OutputError(f"{os.fspath(path)} cannot be written, {reason}", "choose another path") from error
+
+
+def _write_beside_and_rename(target: Path, data: bytes) -> None:
+    temporary = target.parent / f".dualcolor-{os.getpid()}.part"
+    try:
+        temporary.write_bytes(data)
+        os.replace(temporary, target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)  # also after an interrupt nothing half made may stay
+        raise

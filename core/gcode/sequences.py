@@ -1,0 +1,131 @@
+"""The fixed parts of the file: start, tool change and end, in the commands that GPX and MakerBot's parser share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..printer import REPLICATOR_2X
+from ..settings import PrintSettings
+
+WARM_UP_C = 140.0  # nozzles wait at this while the bed heats: warm, but nothing drips yet
+TRAVEL_F = 6000
+LIFT_F = 1000
+PRIME_WIDTH_MM = 1.0
+PRIME_SPAN_MM = (100.0, 30.0)  # |x| where the line starts and ends; tool 0 on the right half, tool 1 on the left
+PRIME_SIDE = (1.0, -1.0)
+PRIME_Y_MM = -72.0
+PRIME_Y_BEHIND_MM = -74.5  # still on the bed, in front of all that may be printed
+CLEARANCE_MM = 2.0
+
+
+@dataclass(frozen=True)
+class StartSequence:
+    """The text before the first move and the state it leaves.
+
+    Attributes:
+        lines: the commands.
+        counters: mm, position of each tool's filament axis afterwards.
+    """
+
+    lines: list[str]
+    counters: tuple[float, float]
+
+
+def tool_change_lines(tool: int) -> list[str]:
+    """Switch the active nozzle; the firmware shifts the carriage together with the next move."""
+    return [f"G1 F{TRAVEL_F}", f"M135 T{tool}"]
+
+
+def start_sequence(
+    settings: PrintSettings, tools: tuple[int, ...], retracted: tuple[float, float], front: float
+) -> StartSequence:
+    """Heat, home and draw one priming line with each tool along the front edge.
+
+    Args:
+        settings: of the print.
+        tools: that the print uses, in the order of priming; the last one starts the print.
+        retracted: mm of filament that each tool is left pulled back.
+        front: mm, least Y of the print; the priming lines keep away from it.
+    """
+    priming_y = PRIME_Y_MM if front >= PRIME_Y_MM + CLEARANCE_MM else PRIME_Y_BEHIND_MM
+    lines = _heat_and_home(settings, tools)
+    counters = [0.0, 0.0]
+    for tool in tools:
+        fed = _prime_amount(settings, tool)
+        lines += tool_change_lines(tool) + _prime_lines(settings, tool, fed, retracted[tool], priming_y)
+        counters[tool] = fed - retracted[tool]
+    return StartSequence(lines, (counters[0], counters[1]))
+
+
+def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str]:
+    """Pull the filament back, lower the bed, home, switch everything off and end the build.
+
+    Args:
+        settings: of the print.
+        tool: the active one.
+        counter: mm, position of its filament axis.
+    """
+    axis = REPLICATOR_2X.tool_axes[tool]
+    return [
+        f"G1 {axis}{counter - settings.retract_length:.5f} F{settings.retract_speed * 60:.0f}",
+        "M18 A B",
+        f"G1 Z{REPLICATOR_2X.reach_max[2]:.3f} F{LIFT_F}",
+        "G162 X Y F2000",
+        "M109 S0 T0",
+        "M104 S0 T0",
+        "M104 S0 T1",
+        "M73 P100",
+        "M72 P1",
+        "M137",
+    ]
+
+
+def _heat_and_home(settings: PrintSettings, tools: tuple[int, ...]) -> list[str]:
+    hot = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
+    home_x, home_y = REPLICATOR_2X.home
+    warm_up = [f"M104 S{min(WARM_UP_C, hot[tool]):.0f} T{tool}" for tool in sorted(tools)]
+    heat_up = [f"M104 S{hot[tool]:.0f} T{tool}" for tool in sorted(tools)]
+    homing = [
+        "G162 X Y F2000",
+        "G161 Z F900",
+        "G92 X0 Y0 Z-5 A0 B0",
+        "G1 Z0 F900",
+        "G161 Z F100",
+        "M132 X Y Z A B",
+        f"G92 X{home_x:.0f} Y{home_y:.0f} Z0 A0 B0",
+    ]
+    wait_left_front = [f"G1 Z10.000 F{LIFT_F}", f"G1 X{REPLICATOR_2X.reach_min[0]:.3f} Y{PRIME_Y_MM:.3f} F{TRAVEL_F}"]
+    return [
+        "M136",
+        "M73 P0",
+        f"M109 S{settings.bed_temperature:.0f} T0",
+        *warm_up,
+        *homing,
+        *wait_left_front,
+        "M134 T0",
+        *heat_up,
+        *(f"M133 T{tool}" for tool in sorted(tools)),
+    ]
+
+
+def _prime_amount(settings: PrintSettings, tool: int) -> float:
+    """Mm of filament in the priming line, as the file writes it."""
+    diameter = settings.filament_diameter_1 if tool else settings.filament_diameter_0
+    length = PRIME_SPAN_MM[0] - PRIME_SPAN_MM[1]
+    volume = length * PRIME_WIDTH_MM * settings.first_layer_height
+    return round(volume / (math.pi / 4 * diameter**2), 5)
+
+
+def _prime_lines(settings: PrintSettings, tool: int, fed: float, retracted: float, y: float) -> list[str]:
+    axis = REPLICATOR_2X.tool_axes[tool]
+    start_x, end_x = (PRIME_SIDE[tool] * x for x in PRIME_SPAN_MM)
+    height = settings.first_layer_height
+    pull_back = [f"G1 {axis}{fed - retracted:.5f} F{settings.retract_speed * 60:.0f}"] if retracted > 0 else []
+    return [
+        f"G1 X{start_x:.3f} Y{y:.3f} F{TRAVEL_F}",
+        f"G1 Z{height:.3f} F{LIFT_F}",
+        f"G1 X{end_x:.3f} {axis}{fed:.5f} F{min(settings.first_layer_speed, 30.0) * 60:.0f}",
+        *pull_back,
+        f"G1 Z{height + CLEARANCE_MM:.3f} F{LIFT_F}",
+    ]
