@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.beads import Strands, strands
 from ..core.model import FloatArray, IntArray, TriangleMesh
-from .materials import plastic
+from .plastics import plastic
 from .units import mm_per_unit
 
 if TYPE_CHECKING:
