@@ -1,0 +1,212 @@
+"""Filtered outlines: the smooth lines that the wave swings about, evenly sampled, with what they carry.
+
+Every contour is the outline of the slice, low-passed so that nothing finer than the wave remains (paper, section 6),
+and moved inwards by half a line width so that the strand's outer edge is the model's surface.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.outlines import Outlines, following, starts, sums
+from .clearance import gaps
+
+# Points along a contour: at least this many a wavelength.
+POINTS_PER_WAVELENGTH = 6
+# Standard deviation of the low-pass, in wavelengths: detail of half a wave's length keeps 1 % of its depth.
+FILTER_SIGMA = 0.25
+# Thinner lines than this share of the extrusion width do not stick; a thinner wall gets overlapping lines.
+LEAST_WIDTH = 0.5
+
+
+@dataclass(frozen=True)
+class Contours:
+    """M smooth closed lines with N points in all; they can be addressed by a single arc length.
+
+    `arc` counts on from loop to loop, so one number names a place on any line of any layer.
+
+    Attributes:
+        points: (N, 2) mm, the mean line of the waved outline.
+        normal: (N, 2) unit vectors out of the material.
+        start: (M + 1,) int64.
+        layer: (M,) int64, not decreasing.
+        polygon: (M,) int64, the sliced region that each line bounds.
+        arc: (N,) mm, increasing; the loop's own arc length plus `arc_start` of its loop.
+        arc_start: (M + 1,) mm.
+        face: (N,) int64, the face of the mesh at each point.
+        carried: (N, 3) u, v and vertex tone at each point.
+        width: (N,) mm, line width: the extrusion width, less where the wall is thin.
+        room_inside: (N,) mm, how far the line may be moved inwards without meeting anything.
+        room_outside: (N,) mm, the same outwards.
+    """
+
+    points: FloatArray
+    normal: FloatArray
+    start: IntArray
+    layer: IntArray
+    polygon: IntArray
+    arc: FloatArray
+    arc_start: FloatArray
+    face: IntArray
+    carried: FloatArray
+    width: FloatArray
+    room_inside: FloatArray
+    room_outside: FloatArray
+
+    @property
+    def length(self) -> FloatArray:
+        """(M,) mm, of each line."""
+        return np.diff(self.arc_start)
+
+    @property
+    def loop(self) -> IntArray:
+        """(N,) the loop of each point."""
+        return np.repeat(np.arange(len(self.layer)), np.diff(self.start))
+
+    def locate(self, arc: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+        """Where places lie: index of the point before, of the point after, and the share of the way between them."""
+        before = np.clip(np.searchsorted(self.arc, arc, side="right") - 1, 0, len(self.arc) - 1)
+        loop = np.searchsorted(self.start, before, side="right") - 1
+        is_last = before + 1 == self.start[loop + 1]
+        after = np.where(is_last, self.start[loop], before + 1)
+        end = np.where(is_last, self.arc_start[loop + 1], self.arc[np.minimum(before + 1, len(self.arc) - 1)])
+        share = np.clip((arc - self.arc[before]) / np.maximum(end - self.arc[before], 1e-12), 0.0, 1.0)
+        return before, after, share
+
+
+def contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings) -> Contours:
+    """Resample, filter and inset the outlines of all layers.
+
+    Args:
+        outlines: M loops.
+        loop_polygon: (M,) the region that each bounds.
+        settings: wavelength and extrusion width are used.
+    """
+    step = settings.wavelength / POINTS_PER_WAVELENGTH
+    points, start, face, carried = resampled(outlines, step)
+    kernel = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH)
+    smooth = filtered(points, start, kernel)
+    normal = _normals(smooth, start, kernel)
+    loop_layer = outlines.layer
+    reach = 2 * settings.extrusion_width + settings.wave_depth_max + 2 * settings.offset_max
+    thickness, clearance = gaps(smooth, normal, start, loop_layer, reach)
+    width = np.clip(thickness / 2, LEAST_WIDTH * settings.extrusion_width, settings.extrusion_width)
+    base = smooth - normal * (np.minimum(width, thickness / 2) / 2)[:, None]
+    arc, arc_start = _arc_length(base, start)
+    turn = curvature(base, start)
+    inside, outside = np.maximum(thickness / 2 - width, 0), np.maximum(clearance / 2, 0)
+    return Contours(
+        points=base,
+        normal=normal,
+        start=start,
+        layer=loop_layer,
+        polygon=loop_polygon,
+        arc=arc,
+        arc_start=arc_start,
+        face=face,
+        carried=carried,
+        width=width,
+        room_inside=np.minimum(inside, _bend_room(turn, start, kernel)),
+        room_outside=np.minimum(outside, _bend_room(-turn, start, kernel)),
+    )
+
+
+def resampled(outlines: Outlines, step: float) -> tuple[FloatArray, IntArray, IntArray, FloatArray]:
+    """Evenly spaced points on each outline, no farther apart than `step` mm, at least eight a loop.
+
+    Returns:
+        points (N, 2), start (M + 1,), face (N,) and the carried values (N, 3) there.
+    """
+    along = outlines.ends - outlines.points
+    length = np.hypot(along[:, 0], along[:, 1])
+    loop_length = sums(length, outlines.start)
+    count = np.maximum(np.ceil(loop_length / step), 8).astype(np.int64)
+    start = starts(count)
+    total = np.concatenate([[0.0], np.cumsum(length)])
+    loop_begin = total[outlines.start[:-1]]
+    loop = np.repeat(np.arange(len(count)), count)
+    place = loop_begin[loop] + (np.arange(start[-1]) - start[loop]) * (loop_length / count)[loop]
+    segment = np.clip(
+        np.searchsorted(total, place, side="right") - 1, outlines.start[loop], outlines.start[loop + 1] - 1
+    )
+    share = np.clip((place - total[segment]) / np.maximum(length[segment], 1e-12), 0, 1)[:, None]
+    points = outlines.points[segment] + share * along[segment]
+    ends = outlines.carried[segment]
+    return points, start, outlines.face[segment], ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
+
+
+def gaussian(sigma: float) -> FloatArray:
+    """Weights of a Gaussian with this standard deviation (in samples), cut at three of them; they sum to 1."""
+    reach = int(np.ceil(3 * sigma))
+    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / max(sigma, 1e-9)) ** 2)
+    return np.asarray(weight / weight.sum())
+
+
+def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
+    """Convolve values (N, …) around each closed loop with a symmetric kernel of odd length."""
+    reach, count = len(kernel) // 2, np.diff(start)
+    padded_start = starts(count + 2 * reach)
+    loop = np.repeat(np.arange(len(count)), count + 2 * reach)
+    offset = np.arange(padded_start[-1]) - padded_start[loop] - reach
+    padded = values[start[loop] + offset % np.maximum(count[loop], 1)]
+    centre = np.arange(start[-1]) + reach * (1 + 2 * np.repeat(np.arange(len(count)), count))
+    size = len(padded) - 2 * reach
+    total = kernel[0] * padded[:size]
+    for shift in range(1, len(kernel)):
+        total = total + kernel[shift] * padded[shift : shift + size]
+    return np.asarray(total[centre - reach])
+
+
+def _previous(start: IntArray) -> IntArray:
+    ahead = following(start)
+    behind = np.empty_like(ahead)
+    behind[ahead] = np.arange(len(ahead))
+    return behind
+
+
+def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
+    """Outward unit normals, smoothed once more so that neighbouring waves do not fan out at a corner."""
+    along = points[following(start)] - points[_previous(start)]
+    normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    normal /= np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)[:, None]
+    normal = filtered(normal, start, kernel)
+    return np.asarray(normal / np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)[:, None])
+
+
+def curvature(points: FloatArray, start: IntArray) -> FloatArray:
+    """(N,) 1/mm, signed: positive where a counter-clockwise line bends to the left (is convex)."""
+    ahead, behind = points[following(start)] - points, points - points[_previous(start)]
+    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
+    dot = (ahead * behind).sum(axis=1)
+    length = (np.hypot(ahead[:, 0], ahead[:, 1]) + np.hypot(behind[:, 0], behind[:, 1])) / 2
+    return np.asarray(np.arctan2(cross, dot) / np.maximum(length, 1e-9))
+
+
+def _bend_room(turn: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
+    """How far a line may be moved towards the inside of its bends before it folds, mm."""
+    bend = filtered(np.maximum(turn, 0.0), start, kernel)
+    return np.asarray(0.7 / np.maximum(np.maximum(bend, turn), 1e-3))
+
+
+def _arc_length(points: FloatArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
+    step = points[following(start)] - points
+    length = np.hypot(step[:, 0], step[:, 1])
+    total = np.concatenate([[0.0], np.cumsum(length)])
+    return total[:-1], total[start]
+
+
+def on_loop(arc: FloatArray, loop: IntArray, arc_start: FloatArray) -> FloatArray:
+    """Arcs with those at the very end of their loop moved to its beginning, which is the same place.
+
+    Without it rounding would make them places of the next loop.
+    """
+    return np.where(arc >= arc_start[loop + 1] - 1e-9, arc_start[loop], arc)
+
+
+def long_enough(length: FloatArray, settings: PrintSettings) -> BoolArray:
+    """(M,) which lines hold the pattern: two samples at least."""
+    return np.asarray(length >= 2 * settings.wavelength)

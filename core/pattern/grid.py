@@ -1,0 +1,70 @@
+"""Neighbour search among the points of all layers: a uniform grid in sorted arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..slicing.outlines import ranges, starts
+
+
+class PointGrid:
+    """Points of all layers sorted into square cells; neighbours are looked for within one layer only."""
+
+    def __init__(self, points: FloatArray, layer: IntArray, cell: float) -> None:
+        """Sort (N, 2) points with their layers (N,) into cells of `cell` mm."""
+        self.cell = cell
+        self.low = points.min(axis=0, initial=0.0) - 2 * cell
+        self.size = np.ceil((points.max(axis=0, initial=0.0) - self.low) / cell).astype(np.int64) + 3
+        key = self._key(self._column(points), layer)
+        self.order = np.argsort(key, kind="stable")
+        self.keys = key[self.order]
+
+    def _column(self, points: FloatArray) -> IntArray:
+        cell = np.floor((points - self.low) / self.cell).astype(np.int64)
+        return np.asarray(np.clip(cell, 1, self.size - 2))
+
+    def _key(self, column: IntArray, layer: IntArray) -> IntArray:
+        return np.asarray((layer * self.size[1] + column[:, 1]) * self.size[0] + column[:, 0])
+
+    def candidates(self, query: FloatArray, layer: IntArray) -> tuple[IntArray, IntArray]:
+        """All points in the three by three cells around each query point.
+
+        Args:
+            query: (Q, 2) mm.
+            layer: (Q,) the layer to look in.
+
+        Returns:
+            (C,) indices of points, grouped by query, and (Q + 1,) where each query's group starts.
+        """
+        key = self._key(self._column(query), layer)
+        # A row of three cells is one run of the sorted keys.
+        row = key[:, None] + np.array([-1, 0, 1]) * self.size[0]
+        first = np.searchsorted(self.keys, row - 1, side="left")
+        count = np.searchsorted(self.keys, row + 1, side="right") - first
+        found = self.order[ranges(first.ravel(), count.ravel())]
+        return found, starts(count.sum(axis=1))
+
+
+def nearest(distance: FloatArray, group: IntArray) -> tuple[IntArray, BoolArray]:
+    """Position of the least value in each group.
+
+    Args:
+        distance: (C,) values.
+        group: (Q + 1,) where each group starts.
+
+    Returns:
+        (Q,) index into `distance` (0 where the group is empty), (Q,) whether the group has any member.
+    """
+    count = np.diff(group)
+    filled = count > 0
+    where = np.zeros(len(count), dtype=np.int64)
+    if not filled.any():
+        return where, filled
+    begin = group[:-1][filled]
+    least = np.minimum.reduceat(distance, begin)
+    hit = np.flatnonzero(distance == np.repeat(least, count[filled]))
+    owner = np.searchsorted(begin, hit, side="right") - 1
+    first = np.concatenate([[True], owner[1:] != owner[:-1]])
+    where[filled] = hit[first]
+    return where, filled

@@ -1,0 +1,80 @@
+"""How well the checkerboard holds together: the paper's error between a layer and the one above (section 6.4)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from .contours import Contours
+from .sampling import Projector, Samples, _points_at
+from .wave import places
+
+# Distance between the probes, mm; the paper's 133,539 probes on LucyCat lie about 0.25 mm apart.
+PROBE_SPACING = 0.25
+ERROR_FREE, SALIENT = 0.05, 0.5
+
+
+@dataclass(frozen=True)
+class SeamErrors:
+    """The error at probes all over the surface.
+
+    Attributes:
+        arc: (Q,) mm, the places of the probes.
+        error: (Q,) d = (t₁ − t₂)² in [0, 4]; NaN where a probe was discarded.
+    """
+
+    arc: FloatArray
+    error: FloatArray
+
+    @property
+    def discarded(self) -> BoolArray:
+        """(Q,) probes with nothing above them within the projection threshold."""
+        return np.isnan(self.error)
+
+    def shares(self, samples: int) -> dict[str, float]:
+        """The report's figures: shares of the probes that were not discarded, and the discarded share of all."""
+        kept = self.error[~self.discarded]
+        total = max(len(kept), 1)
+        error_free, salient = int((kept < ERROR_FREE).sum()), int((kept >= SALIENT).sum())
+        return {
+            "samples": samples,
+            "error_free": error_free / total,
+            "imperceptible": (len(kept) - error_free - salient) / total,
+            "salient": salient / total,
+            "discarded": float(self.discarded.mean()) if len(self.error) else 0.0,
+        }
+
+
+def phase_at(lines: Contours, samples: Samples, arc: FloatArray) -> FloatArray:
+    """(Q,) t = cos(2πu) at places on the contours, NaN on a contour without samples."""
+    loop = np.clip(np.searchsorted(lines.arc_start, arc, side="right") - 1, 0, len(lines.layer) - 1)
+    has = np.diff(samples.start)[loop] > 0
+    first, last = samples.start[loop], samples.start[loop + 1] - 1
+    before = np.searchsorted(samples.arc, arc, side="right") - 1
+    # Ahead of a loop's first sample one is still in the span that its last sample opens.
+    wrapped = before < first
+    before = np.where(wrapped, last, before)
+    spacing = samples.spacing(lines)
+    opened = samples.arc[np.where(has, before, 0)] if len(samples.arc) else np.zeros(len(arc))
+    along = arc - opened + np.where(wrapped, lines.length[loop], 0.0)
+    width = spacing[np.where(has, before, 0)] if len(samples.arc) else np.ones(len(arc))
+    return np.where(has, np.cos(2 * np.pi * along / width), np.nan)
+
+
+def seam_errors(lines: Contours, samples: Samples, projector: Projector) -> SeamErrors:
+    """Probe all contours that carry the pattern and compare each place with the one above it.
+
+    Phase flips are left out of t, as in the paper. Probes below nothing, or below a contour without samples, count as
+    discarded.
+    """
+    arc, loop = places(lines, PROBE_SPACING)
+    layers = int(lines.layer.max(initial=0))
+    use: IntArray = np.flatnonzero((np.diff(samples.start)[loop] > 0) & (lines.layer[loop] < layers))
+    arc, loop = arc[use], loop[use]
+    above, distance = projector.project(_points_at(lines, arc), lines.layer[loop] + 1)
+    found = np.isfinite(distance)
+    error = np.full(len(arc), np.nan)
+    error[found] = (phase_at(lines, samples, arc[found]) - phase_at(lines, samples, above[found])) ** 2
+    return SeamErrors(arc, error)

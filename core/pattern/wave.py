@@ -1,0 +1,186 @@
+"""Waved outlines: the sine between the samples as a polyline within the chord tolerance (paper, sections 3.2 and 4.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.outlines import ranges, starts
+from .contours import POINTS_PER_WAVELENGTH, Contours
+from .modulation import faded, layer_is_black, layer_sign, shape
+from .sampling import Samples
+
+# The tolerance is shared between the even sampling of the sine and the removal of points that change nothing.
+SAMPLING_SHARE = 0.35
+
+
+@dataclass(frozen=True)
+class WavedOutlines:
+    """The outer wall as it is printed: M loops with N points.
+
+    Attributes:
+        base: (N, 2) mm, on the contour, before the wave.
+        points: (N, 2) mm, after wave and set-back.
+        start: (M + 1,) int64.
+        layer: (M,) int64.
+        polygon: (M,) int64, the sliced region.
+        phase: (N,) t in [−1, 1], before the layer's sign; 0 where a line carries no wave.
+        depth: (N,) mm, peak to peak.
+        set_back: (N,) mm.
+        tone: (N,) 0 to 1.
+        uv: (N, 2) texture coordinates.
+        width: (N,) mm, line width.
+    """
+
+    base: FloatArray
+    points: FloatArray
+    start: IntArray
+    layer: IntArray
+    polygon: IntArray
+    phase: FloatArray
+    depth: FloatArray
+    set_back: FloatArray
+    tone: FloatArray
+    uv: FloatArray
+    width: FloatArray
+
+
+@dataclass(frozen=True)
+class Spans:
+    """The contours cut at their samples: one span a wave, a whole loop where there is none.
+
+    Attributes:
+        arc: (P,) mm, where each span begins.
+        length: (P,) mm.
+        loop: (P,) int64.
+        waves: (P,) bool, False for the whole loops.
+    """
+
+    arc: FloatArray
+    length: FloatArray
+    loop: IntArray
+    waves: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+
+def spans(lines: Contours, samples: Samples) -> Spans:
+    """Cut every contour at its samples."""
+    bare = np.flatnonzero(np.diff(samples.start) == 0)
+    loop = np.concatenate([samples.loop, bare])
+    order = np.argsort(loop, kind="stable")
+    return Spans(
+        np.concatenate([samples.arc, lines.arc_start[bare]])[order],
+        np.concatenate([samples.spacing(lines), lines.length[bare]])[order],
+        loop[order],
+        np.concatenate([np.ones(len(samples.arc), dtype=bool), np.zeros(len(bare), dtype=bool)])[order],
+    )
+
+
+def modulated(
+    lines: Contours, tone: FloatArray, settings: PrintSettings
+) -> tuple[FloatArray, FloatArray]:
+    """(N,) wave depth and (N,) set-back at every contour point, faded where there is no room, both in mm."""
+    layer = lines.layer[lines.loop]
+    depth, set_back = shape(tone, layer_is_black(layer), settings)
+    return faded(np.where(layer < settings.flat_layers, 0.0, depth), set_back, lines.room_inside, lines.room_outside)
+
+
+def waved(
+    lines: Contours, samples: Samples, tone: FloatArray, depth: FloatArray, set_back: FloatArray, settings: PrintSettings
+) -> WavedOutlines:
+    """Swing every contour about itself: cos(2πu) between neighbouring samples, times half the depth, less the set-back.
+
+    Args:
+        lines: M contours with N points.
+        samples: where the waves sit.
+        tone: (N,) at every contour point.
+        depth: (N,) mm.
+        set_back: (N,) mm.
+        settings: the chord tolerance is used.
+    """
+    pieces = spans(lines, samples)
+    count = _points_of(pieces, lines, depth, settings)
+    piece = np.repeat(np.arange(len(count)), count + 1)
+    share = (np.arange(len(piece)) - np.repeat(starts(count + 1)[:-1], count + 1)) / np.maximum(count[piece], 1)
+    loop = pieces.loop[piece]
+    local = pieces.arc[piece] - lines.arc_start[loop] + share * pieces.length[piece]
+    before, after, weight = lines.locate(lines.arc_start[loop] + np.mod(local, lines.length[loop]))
+
+    def at(values: FloatArray) -> FloatArray:
+        part = weight if values.ndim == 1 else weight[:, None]
+        return np.asarray(values[before] + part * (values[after] - values[before]))
+
+    phase = np.where(pieces.waves[piece], np.cos(2 * np.pi * share), 0.0)
+    depths, set_backs, base = at(depth), at(set_back), at(lines.points)
+    moved = layer_sign(lines.layer[loop]) * phase * depths / 2 - set_backs
+    points = base + at(lines.normal) * moved[:, None]
+    keep = _within_tolerance(points, piece, settings.chord_tolerance * (1 - SAMPLING_SHARE))
+    # The last point of a span is the first one of the next.
+    keep &= np.append(piece[1:] == piece[:-1], False)
+    nearest = np.where(weight < 0.5, before, after)
+    return WavedOutlines(
+        base=base[keep],
+        points=points[keep],
+        start=starts(np.bincount(loop[keep], minlength=len(lines.layer))),
+        layer=lines.layer,
+        polygon=lines.polygon,
+        phase=phase[keep],
+        depth=depths[keep],
+        set_back=set_backs[keep],
+        tone=at(tone)[keep],
+        uv=lines.carried[nearest[keep], :2],
+        width=at(lines.width)[keep],
+    )
+
+
+def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: PrintSettings) -> IntArray:
+    """(P,) chords in each span: as many as the sharpest bend of its sine and the contour's own points ask for."""
+    before, _, _ = lines.locate(pieces.arc)
+    after, _, _ = lines.locate(np.minimum(pieces.arc + pieces.length, lines.arc_start[pieces.loop + 1] - 1e-6))
+    deepest = np.maximum(depth[before], depth[after])
+    bend = deepest / 2 * (2 * np.pi / pieces.length) ** 2
+    chord = np.sqrt(8 * SAMPLING_SHARE * settings.chord_tolerance / np.maximum(bend, 1e-6))
+    chord = np.where(pieces.waves, chord, np.inf)
+    own = settings.wavelength / POINTS_PER_WAVELENGTH
+    return np.ceil(pieces.length / np.minimum(chord, own)).astype(np.int64)
+
+
+def _within_tolerance(
+    points: FloatArray, piece: IntArray, tolerance: float
+) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Which points a simplification of each piece keeps; its first and last point always."""
+    numbered = np.column_stack([points, np.arange(len(points))])
+    # GEOS carries the third coordinate along untouched: it says which points are left.
+    lines = shapely.simplify(shapely.linestrings(numbered, indices=piece), tolerance, preserve_topology=False)
+    left = shapely.get_coordinates(lines, include_z=True)[:, 2].astype(np.int64)
+    keep = np.zeros(len(points), dtype=bool)
+    keep[left] = True
+    return keep
+
+
+def valley_lines(lines: Contours, depth: FloatArray, set_back: FloatArray) -> FloatArray:
+    """(N, 2) mm, the line through the valleys of the wave: the innermost that the outer wall reaches."""
+    return np.asarray(lines.points - lines.normal * (depth / 2 + set_back)[:, None])
+
+
+def tone_along_wall(tone: FloatArray, lines: Contours, window: float) -> FloatArray:
+    """Average the tone (N,) along each contour over about `window` mm."""
+    step = lines.length / np.maximum(np.diff(lines.start), 1)
+    usual = float(np.median(step)) if len(step) else 1.0
+    reach = round((window / usual - 1) / 2)
+    if reach < 1:
+        return tone
+    from .contours import filtered
+
+    return filtered(tone, lines.start, np.full(2 * reach + 1, 1 / (2 * reach + 1)))
+
+
+def places(lines: Contours, spacing: float) -> tuple[FloatArray, IntArray]:
+    """Evenly spread places on all contours, about `spacing` mm apart: their arcs and loops."""
+    count = np.maximum(np.round(lines.length / spacing), 1).astype(np.int64)
+    loop = np.repeat(np.arange(len(count)), count)
+    step = ranges(np.zeros(len(count), dtype=np.int64), count)
+    return lines.arc_start[loop] + (step + 0.5) * (lines.length / count)[loop], loop
