@@ -1,0 +1,76 @@
+"""The pieces of a region's boundary between two neighbouring crossings with scan lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from .hatch import Crossings
+
+
+@dataclass(frozen=True)
+class Arcs:
+    """One arc for each crossing, from it to the next one around the same ring. X crossings, V vertices.
+
+    Attributes:
+        end: (X,) int64, the crossing where the arc ends.
+        length: (X,) mm, along the boundary.
+        of_vertex: (V,) int64, the arc on which each vertex lies; -1 on a ring that no line cuts and for a vertex that
+            only repeats its ring's first one.
+    """
+
+    end: IntArray
+    length: FloatArray
+    of_vertex: IntArray
+
+
+def arcs(cut: Crossings) -> Arcs:
+    """The arcs between the crossings."""
+    end = np.arange(1, len(cut.ring) + 1)
+    last = np.flatnonzero(np.append(cut.ring[1:] != cut.ring[:-1], True)[: len(cut.ring)])
+    end[last] = np.concatenate([[0], last[:-1] + 1])[: len(last)]
+
+    ring_first = np.searchsorted(cut.ring, cut.vertex_ring, side="left")
+    ring_last = np.searchsorted(cut.ring, cut.vertex_ring, side="right") - 1
+    passed = np.searchsorted(cut.edge, np.arange(len(cut.vertices)), side="left")  # crossings before each vertex
+    of_vertex = np.where(passed > ring_first, passed - 1, ring_last)
+    repeats = np.append(cut.vertex_ring[1:] != cut.vertex_ring[:-1], True)[: len(cut.vertices)]
+    of_vertex[(ring_last < ring_first) | repeats] = -1
+
+    steps = np.hypot(*np.diff(cut.vertices, axis=0).T)
+    travelled = np.concatenate([[0.0], np.cumsum(np.where(repeats[:-1], 0.0, steps))])[: len(cut.vertices)]
+    place = travelled[cut.edge] + np.linalg.norm(cut.places - cut.vertices[cut.edge], axis=1)
+    length = place[end] - place
+    closing = np.flatnonzero(repeats)[cut.vertex_ring[cut.edge[last]]]
+    opening = np.concatenate([[0], np.flatnonzero(repeats)[:-1] + 1])[cut.vertex_ring[cut.edge[last]]]
+    length[last] += travelled[closing] - travelled[opening]
+    return Arcs(end, length, of_vertex)
+
+
+def strays(cut: Crossings, along: Arcs, asked: BoolArray, closeness_mm: float) -> BoolArray:
+    """Which arcs stray from the straight line between their ends.
+
+    An arc is a curve from one end to the other, so if all of it is near the line, then all of the line is near it.
+
+    Args:
+        cut: the crossings.
+        along: the arcs between them.
+        asked: (X,) bool, arcs to look at.
+        closeness_mm: how far an arc may stray.
+
+    Returns:
+        (X,) bool, False for those not asked for.
+    """
+    vertex = np.flatnonzero(along.of_vertex >= 0)
+    vertex = vertex[asked[along.of_vertex[vertex]]]
+    arc = along.of_vertex[vertex]
+    start = cut.places[arc]
+    line = cut.places[along.end[arc]] - start
+    offset = cut.vertices[vertex] - start
+    share = np.clip((offset * line).sum(axis=1) / (line * line).sum(axis=1), 0.0, 1.0)
+    distance = np.linalg.norm(offset - share[:, None] * line, axis=1)
+    result = np.zeros(len(cut.x), dtype=bool)
+    result[arc[distance > closeness_mm]] = True
+    return result

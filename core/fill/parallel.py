@@ -1,0 +1,36 @@
+"""Run GEOS over many shapes in threads: shapely's array functions release the interpreter lock."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Shapes = NDArray[np.object_]
+
+_CHUNKS = 16  # more than threads, as the layers of one part of a model cost more than those of another
+_SHAPES_WORTH_THREADS = 32
+
+
+def in_chunks(function: Callable[..., tuple[Shapes, ...]], *columns: NDArray[Any]) -> tuple[Shapes, ...]:
+    """Apply a function to equal slices of several arrays in threads and put the results together again.
+
+    Args:
+        function: from slices, (n,) each, to a tuple of (n,) arrays; row i of a result may depend on row i only.
+        columns: (N,) arrays of one length.
+
+    Returns:
+        The tuple that `function(*columns)` would have given.
+    """
+    count = len(columns[0])
+    if count < _SHAPES_WORTH_THREADS:
+        return function(*columns)
+    bounds = np.linspace(0, count, _CHUNKS + 1).astype(int)
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        slices = ([column[low:high] for column in columns] for low, high in zip(bounds, bounds[1:], strict=False))
+        results = list(pool.map(lambda part: function(*part), slices))
+    return tuple(np.concatenate(pieces) for pieces in zip(*results, strict=True))

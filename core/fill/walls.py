@@ -1,0 +1,99 @@
+"""The straight walls behind the waved outline, and the region that they leave to be filled."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from ..model import IntArray
+from ..settings import PrintSettings
+from ..toolpaths.moves import Feature, Paths
+from .parallel import Shapes, in_chunks
+
+_SIMPLIFY_MM = 0.02  # a twentieth of a line: not to be seen behind the outline, and a sixth of the vertices
+_MITRE_LIMIT = 2.0
+
+
+def simplified(shapes: Shapes, tolerance_mm: float) -> Shapes:
+    """Polygons with fewer vertices, valid ones whatever came in.
+
+    Args:
+        shapes: (N,) Polygon or MultiPolygon, None, empty or not quite valid.
+        tolerance_mm: the boundary moves by no more than this.
+
+    Returns:
+        (N,) valid Polygon or MultiPolygon, maybe empty.
+    """
+    shapes = np.where(shapely.is_missing(shapes), shapely.Polygon(), shapes)
+    result: Shapes = np.asarray(shapely.simplify(shapes, tolerance_mm, preserve_topology=False), dtype=object)
+    # The fast simplification may cut a neck and then lose what hangs on it; the area betrays it.
+    lost = np.abs(shapely.area(result) - shapely.area(shapes)) > tolerance_mm * shapely.length(shapes)
+    lost |= ~shapely.is_valid(result)
+    if lost.any():
+        sound = shapely.buffer(shapely.make_valid(shapes[lost]), 0.0)
+        result[lost] = shapely.simplify(sound, tolerance_mm, preserve_topology=True)
+    return result
+
+
+def offset(shapes: Shapes, distance_mm: float) -> Shapes:
+    """Polygons grown (or, below 0, shrunk) by a distance, with corners kept sharp; (N,) to (N,)."""
+    grown: Shapes = shapely.buffer(shapes, distance_mm, join_style="mitre", mitre_limit=_MITRE_LIMIT)
+    return grown
+
+
+def walls_and_fill(islands: Shapes, settings: PrintSettings) -> tuple[list[Shapes], Shapes]:
+    """Offset every island inwards, wall by wall.
+
+    Args:
+        islands: (I,) regions whose boundary is the centre line of the outermost wall's inside.
+        settings: `perimeters`, `extrusion_width` and `infill_overlap` are read.
+
+    Returns:
+        For each wall, from the outside in, (I,) regions bounded by its centre line; and (I,) regions to fill: what
+        is inside the last wall's inner edge, grown by the overlap.
+    """
+    width = settings.extrusion_width
+    to_fill = width * (settings.infill_overlap / 100.0 - 0.5)
+
+    def chunk(shapes: Shapes) -> tuple[Shapes, ...]:
+        regions = [simplified(shapes, _SIMPLIFY_MM)]
+        for _ in range(settings.perimeters):
+            regions.append(offset(regions[-1], -width))
+        return (*regions[1:], simplified(offset(regions[-1], to_fill), _SIMPLIFY_MM))
+
+    *walls, fill = in_chunks(chunk, islands)
+    return walls, fill
+
+
+def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: float) -> Paths:
+    """The boundaries of the walls' regions as closed paths.
+
+    Args:
+        walls: for each wall, (I,) regions bounded by its centre line.
+        island_layer: (I,) layer of each island.
+        width_mm: of the line.
+
+    Returns:
+        INNER_WALL loops, outer ones counter-clockwise and holes clockwise, without those too short to be printed.
+    """
+    if not walls:
+        return Paths.empty()
+    island = np.tile(np.arange(len(island_layer)), len(walls))
+    parts, owner = shapely.get_parts(np.concatenate(walls), return_index=True)
+    rings, part = shapely.get_rings(shapely.orient_polygons(parts), return_index=True)
+    island = island[owner][part]
+    printable = shapely.length(rings) >= 2.0 * width_mm
+    rings, island = rings[printable], island[printable]
+    points, ring = shapely.get_coordinates(rings, return_index=True)
+    closing = np.append(ring[1:] != ring[:-1], True)[: len(ring)]
+    points, ring = points[~closing], ring[~closing]
+    counts = np.bincount(ring, minlength=len(rings))
+    return Paths(
+        points=points,
+        start=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        layer=island_layer[island].astype(np.int64),
+        feature=np.full(len(rings), int(Feature.INNER_WALL), dtype=np.int64),
+        island=island.astype(np.int64),
+        closed=np.ones(len(rings), dtype=bool),
+        width=np.full(len(points), width_mm),
+    )
