@@ -1,4 +1,4 @@
-"""Waved outlines: the sine between the samples as a polyline within the chord tolerance (paper, sections 3.2 and 4.1)."""
+"""Waved outlines: the sine between the samples as a polyline within the chord tolerance (paper, section 3.2)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import shapely
 from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
-from .contours import POINTS_PER_WAVELENGTH, Contours
+from .contours import POINTS_PER_WAVELENGTH, Contours, filtered
 from .modulation import faded, layer_is_black, layer_sign, shape
 from .sampling import Samples
 
@@ -79,9 +79,7 @@ def spans(lines: Contours, samples: Samples) -> Spans:
     )
 
 
-def modulated(
-    lines: Contours, tone: FloatArray, settings: PrintSettings
-) -> tuple[FloatArray, FloatArray]:
+def modulated(lines: Contours, tone: FloatArray, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
     """(N,) wave depth and (N,) set-back at every contour point, faded where there is no room, both in mm."""
     layer = lines.layer[lines.loop]
     depth, set_back = shape(tone, layer_is_black(layer), settings)
@@ -89,7 +87,12 @@ def modulated(
 
 
 def waved(
-    lines: Contours, samples: Samples, tone: FloatArray, depth: FloatArray, set_back: FloatArray, settings: PrintSettings
+    lines: Contours,
+    samples: Samples,
+    tone: FloatArray,
+    depth: FloatArray,
+    set_back: FloatArray,
+    settings: PrintSettings,
 ) -> WavedOutlines:
     """Swing every contour about itself: cos(2πu) between neighbouring samples, times half the depth, less the set-back.
 
@@ -145,7 +148,7 @@ def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: Prin
     chord = np.sqrt(8 * SAMPLING_SHARE * settings.chord_tolerance / np.maximum(bend, 1e-6))
     chord = np.where(pieces.waves, chord, np.inf)
     own = settings.wavelength / POINTS_PER_WAVELENGTH
-    return np.ceil(pieces.length / np.minimum(chord, own)).astype(np.int64)
+    return np.asarray(np.ceil(pieces.length / np.minimum(chord, own)), dtype=np.int64)
 
 
 def _within_tolerance(
@@ -173,8 +176,6 @@ def tone_along_wall(tone: FloatArray, lines: Contours, window: float) -> FloatAr
     reach = round((window / usual - 1) / 2)
     if reach < 1:
         return tone
-    from .contours import filtered
-
     return filtered(tone, lines.start, np.full(2 * reach + 1, 1 / (2 * reach + 1)))
 
 

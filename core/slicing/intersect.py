@@ -75,10 +75,12 @@ def _edge_ids(faces: IntArray) -> IntArray:
     """(F, 3) id of the undirected edge from corner k to corner k + 1."""
     tail, head = faces, np.roll(faces, -1, axis=1)
     key = np.minimum(tail, head) * (faces.max(initial=0) + 1) + np.maximum(tail, head)
-    return np.unique(key.ravel(), return_inverse=True)[1].reshape(faces.shape).astype(np.int64)
+    return np.asarray(np.unique(key.ravel(), return_inverse=True)[1].reshape(faces.shape), dtype=np.int64)
 
 
-def _cut(mesh: TriangleMesh, face: IntArray, plane: FloatArray, a: IntArray, b: IntArray) -> tuple[FloatArray, FloatArray]:
+def _cut(
+    mesh: TriangleMesh, face: IntArray, plane: FloatArray, a: IntArray, b: IntArray
+) -> tuple[FloatArray, FloatArray]:
     """Point and carried values where the edge between corners a and b of a face meets its plane."""
     # From the lower vertex number to the higher one, so that both faces of an edge get the very same point.
     swap = mesh.faces[face, a] > mesh.faces[face, b]

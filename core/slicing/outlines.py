@@ -105,7 +105,7 @@ def starts(count: IntArray) -> IntArray:
 def ranges(first: IntArray, count: IntArray) -> IntArray:
     """The integers first[k], first[k] + 1, … (count[k] of them) for every k, one after the other."""
     offsets = starts(count)
-    return np.arange(offsets[-1]) + np.repeat(first - offsets[:-1], count)
+    return np.asarray(np.arange(offsets[-1]) + np.repeat(first - offsets[:-1], count))
 
 
 def following(start: IntArray) -> IntArray:

@@ -105,11 +105,11 @@ def region_polygons(outlines: Outlines, parent: IntArray) -> tuple[NDArray[np.ob
     return polygons, outlines.layer[shells], region
 
 
-def _with_holes(
-    shells: NDArray[np.object_], holes: NDArray[np.object_], of_shell: IntArray
-) -> NDArray[np.object_]:
+def _with_holes(shells: NDArray[np.object_], holes: NDArray[np.object_], of_shell: IntArray) -> NDArray[np.object_]:
     parts = np.split(holes, np.flatnonzero(np.diff(of_shell)) + 1)
-    return np.array([shapely.Polygon(shell, list(part)) for shell, part in zip(shells, parts, strict=True)], dtype=object)
+    return np.array(
+        [shapely.Polygon(shell, list(part)) for shell, part in zip(shells, parts, strict=True)], dtype=object
+    )
 
 
 def crossing_layers(polygons: NDArray[np.object_], polygon_layer: IntArray, layers: int) -> BoolArray:

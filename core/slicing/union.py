@@ -44,7 +44,8 @@ def winding_number(probe: FloatArray, tails: FloatArray, heads: FloatArray) -> I
         x, y = probe[chunk, 0, None], probe[chunk, 1, None]
         up = (tails[:, 1] <= y) & (heads[:, 1] > y)
         down = (tails[:, 1] > y) & (heads[:, 1] <= y)
-        side = (heads[:, 0] - tails[:, 0]) * (y - tails[:, 1]) - (x - tails[:, 0]) * (heads[:, 1] - tails[:, 1])
+        along = heads - tails
+        side: FloatArray = along[:, 0] * (y - tails[:, 1]) - (x - tails[:, 0]) * along[:, 1]
         number[chunk] = (up & (side > 0)).sum(axis=1) - (down & (side < 0)).sum(axis=1)
     return number
 

@@ -98,7 +98,7 @@ class Moves:
     @property
     def extrudes(self) -> BoolArray:
         """(M,) bool, rows that lay down a strand."""
-        return (self.filament > 0) & (self.feature != Feature.RETRACT)
+        return np.asarray((self.filament > 0) & (self.feature != Feature.RETRACT))
 
     @staticmethod
     def joined(parts: list[Moves]) -> Moves:
