@@ -1,0 +1,27 @@
+"""GPX, the converter from G-code to the printer's X3G, as a judge of files."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+
+def convert(path: str | os.PathLike[str]) -> list[str]:
+    """Convert a G-code file for the Replicator 2X and return what GPX complains about, one line each.
+
+    Without `-v` GPX prints nothing but diagnostics. The X3G is left beside the G-code. Skips the test without GPX.
+    """
+    program = shutil.which("gpx")
+    if program is None:
+        pytest.skip("gpx is not installed")
+    gcode = Path(path)
+    x3g = gcode.with_suffix(".x3g")
+    run = subprocess.run([program, "-I", "-g", "-m", "r2x", gcode, x3g], capture_output=True, text=True, check=False)
+    lines = [line for line in (run.stdout + run.stderr).splitlines() if line.strip()]
+    if run.returncode or not x3g.exists():
+        lines.append(f"gpx ended with {run.returncode}")
+    return lines

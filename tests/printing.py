@@ -1,0 +1,46 @@
+"""Small prints for the tests of what is made from moves."""
+
+from __future__ import annotations
+
+import numpy as np
+from dualcolor.core.toolpaths.moves import Feature, Moves
+
+TRAVEL, RETRACT, OUTER_WALL, TOWER = Feature.TRAVEL, Feature.RETRACT, Feature.OUTER_WALL, Feature.TOWER
+
+
+def table(*rows: tuple) -> Moves:
+    """Moves from rows (x, y, z, tool, feature, layer, speed, filament)."""
+    columns = [np.array(column) for column in zip(*rows, strict=True)]
+    x, y, z, tool, feature, layer, speed, filament = columns
+    strand = (filament > 0) & (feature != RETRACT)
+    return Moves(
+        position=np.column_stack([x, y, z]).astype(float),
+        tool=tool.astype(np.int64),
+        feature=feature.astype(np.int64),
+        layer=layer.astype(np.int64),
+        width=np.where(strand, 0.4, 0.0),
+        height=np.where(strand, 0.25, 0.0),
+        speed=speed.astype(float),
+        filament=filament.astype(float),
+    )
+
+
+def rosette(layers: int, points: int) -> Moves:
+    """Waved circles with a small tower, one tool a layer, retracted and lifted at each tool change."""
+    rows: list[tuple] = []
+    angle = np.linspace(0, 2 * np.pi, points)
+    radius = 20 + 0.375 * np.cos(angle * 40)
+    circle = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    for layer in range(layers):
+        tool, z = layer % 2, 0.25 * (layer + 1)
+        rows.append((30, 0, z + 0.4, tool, TRAVEL, layer, 150, 0))
+        rows.append((30, 0, z, tool, TRAVEL, layer, 19.5, 0))
+        if layer:
+            rows.append((30, 0, z, tool, RETRACT, layer, 25, 4.0))
+        rows.append((30, 8, z, tool, TOWER, layer, 60, 0.33))
+        rows.append((30, 0, z, tool, TOWER, layer, 60, 0.33))
+        rows.append((*circle[0], z, tool, TRAVEL, layer, 150, 0))
+        rows += [(x, y, z, tool, OUTER_WALL, layer, 30, 0.0041) for x, y in circle[1:]]
+        rows.append((*circle[-1], z, tool, RETRACT, layer, 25, -4.0))
+        rows.append((*circle[-1], z + 0.4, tool, TRAVEL, layer, 19.5, 0))
+    return table(*rows)

@@ -1,0 +1,77 @@
+"""Files are written whole or not at all."""
+
+import os
+
+import pytest
+from dualcolor.core.errors import OutputError
+from dualcolor.core.files import write_file
+
+
+def test_new_and_replaced(tmp_path):
+    path = tmp_path / "a.gcode"
+    write_file(path, b"one")
+    write_file(str(path), b"two")
+    assert path.read_bytes() == b"two"
+    assert os.listdir(tmp_path) == ["a.gcode"]
+    umask = os.umask(0)
+    os.umask(umask)
+    assert path.stat().st_mode & 0o777 == 0o666 & ~umask
+
+
+def test_link_stays_a_link(tmp_path):
+    path, link = tmp_path / "a.gcode", tmp_path / "link.gcode"
+    path.write_bytes(b"one")
+    link.symlink_to(path)
+    write_file(link, b"two")
+    assert link.is_symlink() and path.read_bytes() == b"two"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no such devices here")
+def test_device_is_written_to_and_stays():
+    write_file("/dev/null", b"away")
+    assert not os.path.isfile("/dev/null")
+    with pytest.raises(OutputError, match="the disk is full"):
+        write_file("/dev/full", b"too much")
+
+
+@pytest.mark.parametrize(
+    ("path", "reason"),
+    [
+        ("none/a.gcode", "its folder does not exist"),
+        ("file/a.gcode", "its folder is a file"),
+        ("folder", "it is a folder"),
+        ("n" * 300, "its name is too long"),
+    ],
+)
+def test_one_sentence_and_nothing_left(tmp_path, path, reason):
+    (tmp_path / "file").write_bytes(b"")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OutputError, match=reason) as error:
+        write_file(tmp_path / path, b"data")
+    assert "\n" not in str(error.value)
+    assert sorted(os.listdir(tmp_path)) == ["file", "folder"]
+
+
+def test_full_disk_leaves_the_old_file(tmp_path):
+    resource = pytest.importorskip("resource")
+    signal = pytest.importorskip("signal")
+    path = tmp_path / "a.gcode"
+    path.write_bytes(b"old")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    try:
+        with pytest.raises(OutputError):
+            write_file(path, bytes(100_000))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, handler)
+    assert path.read_bytes() == b"old"
+    assert os.listdir(tmp_path) == ["a.gcode"]
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="the superuser may write anywhere")
+def test_no_permission(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(OutputError, match="no permission"):
+        write_file(tmp_path / "a.gcode", b"")
