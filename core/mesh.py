@@ -17,6 +17,7 @@ WELD_SHARE = 3e-7
 
 _FAR_AWAY_MM = 1e7  # beyond this, neighbouring vertices could no longer be told apart
 _REACH_TOLERANCE_MM = 1e-3
+_UV_LIMIT = 1e6  # beyond this, float32 no longer tells the texels apart
 
 
 def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
@@ -143,12 +144,12 @@ def _weld(vertices: FloatArray) -> tuple[FloatArray, IntArray]:
 
 
 def _painting(model: SurfaceModel, corners: IntArray, polygon: IntArray) -> tuple[FloatArray, IntArray]:
-    """UVs (T, 3, 2) and textures (T,) of triangles; where a UV is not finite there is no texture."""
+    """UVs (T, 3, 2) and textures (T,) of triangles; where a UV is not finite or absurd there is no texture."""
     texture = np.maximum(model.polygon_texture[polygon], -1)
     if model.corner_uv is None:
         return np.zeros((*corners.shape, 2)), texture
     uv = np.asarray(model.corner_uv[corners], dtype=np.float64)
-    broken = ~np.isfinite(uv).all(axis=(1, 2))
+    broken = ~(np.abs(uv) <= _UV_LIMIT).all(axis=(1, 2))  # NaN fails as well
     if broken.any():
         uv[broken], texture[broken] = 0.0, -1
     return uv, texture
