@@ -68,6 +68,7 @@ def test_small_file_word_for_word():
         (10, -20, 0.25, 0, TRAVEL, 0, 150, 0),
         (20, -20, 0.25, 0, OUTER_WALL, 0, 30, 0.4),
         (20, -10.0004, 0.25, 0, OUTER_WALL, 0, 30, 0.4),
+        (20, -10.0002, 0.25, 0, TRAVEL, 0, 150, 0),  # too short for the file, so it has no line
         (20, -10.0004, 0.25, 0, RETRACT, 0, 25, -4),
         (20, -10.0004, 0.65, 0, TRAVEL, 0, 19.5, 0),
         (5, -0.0004, 0.5, 1, TRAVEL, 1, 150, 0),
@@ -92,7 +93,7 @@ def test_small_file_word_for_word():
         "G1 X5.000 Y0.000 Z0.500 F9000",
         f"G1 B{primed:.5f} F1500",
         f"G1 Y10.000 B{primed + 0.4:.5f} F1800",
-        f"G1 X6.000 B{primed + 0.44:.5f}",  # the travel of 0.4 µm has no line
+        f"G1 X6.000 B{primed + 0.44:.5f}",  # the travel before it has no line either
     ]
 
 
