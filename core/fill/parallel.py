@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,6 @@ def in_chunks(function: Callable[..., tuple[Shapes, ...]], *columns: NDArray[Any
         return function(*columns)
     bounds = np.linspace(0, count, _CHUNKS + 1).astype(int)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        slices = ([column[low:high] for column in columns] for low, high in zip(bounds, bounds[1:], strict=False))
+        slices = ([column[low:high] for column in columns] for low, high in pairwise(bounds))
         results = list(pool.map(lambda part: function(*part), slices))
     return tuple(np.concatenate(pieces) for pieces in zip(*results, strict=True))
