@@ -14,7 +14,9 @@ def mm_per_unit(scene: bpy.types.Scene) -> float:
     slicers read a mesh file.
     """
     units = scene.unit_settings
-    return 1.0 if units.system == "NONE" else MM_PER_METRE * units.scale_length
+    if units.system == "NONE":
+        return 1.0
+    return float(f"{MM_PER_METRE * units.scale_length:.6g}")  # Blender holds 0.001 as 0.00100000005
 
 
 def use_millimetres(scene: bpy.types.Scene) -> None:

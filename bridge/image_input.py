@@ -1,0 +1,66 @@
+"""Blender images as tone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core.errors import TextureError
+from ..core.model import ToneImage
+from ..core.texture.decode import tone_image
+
+RAW_COLOUR_SPACES = ("Non-Color", "Raw", "Linear Rec.709", "Linear", "Generic Data")
+
+
+def load_image(path: Path) -> bpy.types.Image:
+    """Open a picture file.
+
+    Raises:
+        TextureError: the file is missing or not a picture.
+    """
+    hint = "give a PNG, JPEG, TIFF or EXR file"
+    try:
+        image = bpy.data.images.load(str(path.resolve()))
+    except RuntimeError:  # how Blender tells that it cannot open the file
+        raise TextureError(f"the image {path} cannot be read", hint) from None
+    if not all(image.size):
+        bpy.data.images.remove(image)
+        raise TextureError(f"{path} is not an image that Blender can read", hint)
+    return image
+
+
+def image_tone(image: bpy.types.Image) -> ToneImage:
+    """The tone of a Blender image, as it is now (painted pixels too).
+
+    Byte images hold encoded values unless their colour space is a linear one; float images are linear, and their
+    colour is multiplied by alpha. An alpha that is ignored or used for something else is no coverage.
+
+    Raises:
+        TextureError: the image has no pixels, or is made of UDIM tiles.
+    """
+    if image.source == "TILED" and len(image.tiles) > 1:
+        raise TextureError(f"the image {image.name} has several tiles", "bake them into a single image")
+    width, height = image.size
+    if not width or not height:
+        raise TextureError(f"the image {image.name} has no pixels", "its file may be missing: reload or replace it")
+    pixels = np.empty(width * height * image.channels, dtype=np.float32)
+    image.pixels.foreach_get(pixels)
+    rgba = _as_rgba(pixels.reshape(height, width, image.channels))
+    if image.alpha_mode in ("NONE", "CHANNEL_PACKED"):
+        rgba[..., 3] = 1.0
+    encoded = not image.is_float and image.colorspace_settings.name not in RAW_COLOUR_SPACES
+    return tone_image(rgba, encoded_srgb=encoded, premultiplied=image.is_float and image.alpha_mode == "STRAIGHT")
+
+
+def _as_rgba(pixels: np.ndarray) -> np.ndarray:
+    """(H, W, 4) from (H, W, 1 to 4): grey is repeated, missing alpha is 1."""
+    channels = pixels.shape[2]
+    if channels == 4:
+        return pixels
+    rgba = np.ones((*pixels.shape[:2], 4), dtype=np.float32)
+    rgba[..., :3] = pixels[..., :3] if channels == 3 else pixels[..., :1]
+    if channels == 2:
+        rgba[..., 3] = pixels[..., 1]
+    return rgba

@@ -1,0 +1,204 @@
+"""A Blender object as the job's input: world-space polygons in mm with their UVs, tones and textures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+
+from ..core.errors import MeshError, TextureError
+from ..core.model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneImage
+from ..core.settings import PrintSettings
+from ..core.texture.decode import colour_tone
+from .image_input import image_tone
+from .base_colour import BaseColour, base_colour
+from .units import mm_per_unit
+
+WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+UNWRAP_HINT = "unwrap it first, or use --unwrap smart"
+
+
+def surface_model(
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    settings: PrintSettings,
+    image: bpy.types.Image | None = None,
+) -> SurfaceModel:
+    """An object as it stands in the scene: modifiers, shape keys and transform applied, in mm.
+
+    Tone comes from `image` if it is given, else from the images of the materials, else from the active colour
+    attribute, else it is left to `settings.background_tone`.
+
+    Args:
+        obj: the object to print.
+        depsgraph: evaluated, of the scene that the object is in.
+        settings: for the background tone.
+        image: the picture chosen by the user; it covers the whole object by the active UV map.
+
+    Raises:
+        MeshError: the object has no surface.
+        TextureError: a picture is missing or there is no UV map for it.
+    """
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        corners = _Corners.of(mesh)
+        colours = [BaseColour(image=image)] if image else _material_colours(obj, mesh)
+        slot = np.zeros(len(mesh.polygons), dtype=np.int64) if image else _material_slots(mesh, len(colours))
+        uv = _corner_uv(mesh, obj.name, corners, colours, slot)
+        tone = _corner_tone(mesh, corners, colours, slot, settings.background_tone)
+        textures, polygon_texture = _textures(colours, slot)
+        vertices = _world_vertices(mesh, obj.evaluated_get(depsgraph), mm_per_unit(depsgraph.scene))
+    order = corners.outward(mirrored=obj.evaluated_get(depsgraph).matrix_world.determinant() < 0)
+    return SurfaceModel(
+        vertices=vertices,
+        polygon_start=corners.start,
+        corner_vertex=corners.vertex[order],
+        corner_uv=None if uv is None else uv[order],
+        corner_tone=None if tone is None else tone[order],
+        polygon_texture=polygon_texture,
+        textures=textures,
+        name=obj.name,
+    )
+
+
+@contextmanager
+def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Mesh]:
+    """The mesh of an object with its modifiers applied, in object space, for as long as the block runs.
+
+    Raises:
+        MeshError: the object is of a kind without a surface, or has no faces.
+    """
+    if obj.type not in WITH_SURFACE:
+        raise MeshError(f"{obj.name} has no surface to print", "choose a mesh object")
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+        depsgraph.update()
+    evaluated = obj.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+    try:
+        if mesh is None or not len(mesh.polygons):
+            raise MeshError(f"{obj.name} has no faces", "choose a mesh with a closed surface")
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+@dataclass(frozen=True)
+class _Corners:
+    """Polygon corners: `start` (P + 1,), `vertex` (C,) and `polygon` (C,), the polygon of each corner."""
+
+    start: IntArray
+    vertex: IntArray
+    polygon: IntArray = field(repr=False)
+
+    @staticmethod
+    def of(mesh: bpy.types.Mesh) -> _Corners:
+        count = len(mesh.loops)
+        start = np.empty(len(mesh.polygons), dtype=np.int32)
+        vertex = np.empty(count, dtype=np.int32)
+        mesh.polygons.foreach_get("loop_start", start)
+        mesh.loops.foreach_get("vertex_index", vertex)
+        bounds = np.append(start, count).astype(np.int64)
+        return _Corners(bounds, vertex.astype(np.int64), np.repeat(np.arange(len(start)), np.diff(bounds)))
+
+    def outward(self, mirrored: bool) -> IntArray:
+        """(C,) the order of the corners in which faces look outward; a mirrored object turns every polygon around."""
+        index = np.arange(len(self.vertex))
+        if not mirrored:
+            return index
+        return self.start[self.polygon] + self.start[self.polygon + 1] - 1 - index
+
+
+def _world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float) -> FloatArray:
+    position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", position)
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    world: FloatArray = position.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    return world * mm
+
+
+def _material_colours(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[BaseColour]:
+    """One entry a material slot, at least one."""
+    slots = [slot.material for slot in obj.material_slots] or list(mesh.materials)
+    return [base_colour(material) for material in slots] or [BaseColour()]
+
+
+def _material_slots(mesh: bpy.types.Mesh, slots: int) -> IntArray:
+    index = np.zeros(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("material_index", index)
+    return np.clip(index.astype(np.int64), 0, slots - 1)
+
+
+def _textures(colours: list[BaseColour], slot: IntArray) -> tuple[tuple[ToneImage, ...], IntArray]:
+    """The pictures that polygons use, each once, and which one each polygon uses."""
+    used = set(np.unique(slot).tolist())
+    images: list[bpy.types.Image] = []
+    of_slot = np.full(len(colours), -1, dtype=np.int64)
+    for number, colour in enumerate(colours):
+        if colour.image is None or number not in used:
+            continue
+        if colour.image not in images:
+            images.append(colour.image)
+        of_slot[number] = images.index(colour.image)
+    return tuple(image_tone(image) for image in images), of_slot[slot]
+
+
+def _corner_uv(
+    mesh: bpy.types.Mesh, name: str, corners: _Corners, colours: list[BaseColour], slot: IntArray
+) -> FloatArray | None:
+    """(C, 2) from the active UV map, or from the one that a material's picture asks for; None if there is none."""
+    active = mesh.uv_layers.active
+    if active is None:
+        pictured = next((colour.image for colour in colours if colour.image), None)
+        if pictured:
+            raise TextureError(f"{name} has no UV map for the image {pictured.name}", UNWRAP_HINT)
+        return None
+    uv = _layer_uv(active)
+    for number, colour in enumerate(colours):
+        other = mesh.uv_layers.get(colour.uv_map)
+        if colour.image and other and other.name != active.name:
+            chosen = slot[corners.polygon] == number
+            uv[chosen] = _layer_uv(other)[chosen]
+    return uv
+
+
+def _layer_uv(layer: bpy.types.MeshUVLoopLayer) -> FloatArray:
+    uv = np.empty(len(layer.uv) * 2, dtype=np.float32)
+    layer.uv.foreach_get("vector", uv)
+    return uv.reshape(-1, 2).astype(np.float64)
+
+
+def _corner_tone(
+    mesh: bpy.types.Mesh, corners: _Corners, colours: list[BaseColour], slot: IntArray, background: float
+) -> FloatArray | None:
+    """(C,) tone where no picture gives it, NaN elsewhere; None where all is left to pictures and background.
+
+    Without a picture on the object that is the active colour attribute. Beside materials with a picture, plain
+    ones show their own colour.
+    """
+    pictured = any(colour.image for colour in colours)
+    tone = np.full(len(corners.vertex), np.nan)
+    for number, colour in enumerate(colours):
+        chosen: BoolArray = slot[corners.polygon] == number
+        if colour.image or not chosen.any():
+            continue
+        rgba = _attribute_colour(mesh, corners, colour.attribute, active=not pictured)
+        if rgba is not None:
+            tone[chosen] = colour_tone(rgba[chosen], background)
+        elif pictured and colour.colour:
+            tone[chosen] = colour_tone(np.array([colour.colour], dtype=np.float64), background)[0]
+    return None if np.isnan(tone).all() else tone
+
+
+def _attribute_colour(mesh: bpy.types.Mesh, corners: _Corners, name: str, active: bool) -> FloatArray | None:
+    """(C, 4) linear colour of the named attribute, else of the active one if that may be used, else None."""
+    attributes = mesh.color_attributes
+    attribute = attributes.get(name) or (attributes.active_color if active else None)
+    if attribute is None:
+        return None
+    rgba = np.empty(len(attribute.data) * 4, dtype=np.float32)
+    attribute.data.foreach_get("color", rgba)  # linear for byte colours too
+    linear = rgba.reshape(-1, 4).astype(np.float64)
+    return linear[corners.vertex] if attribute.domain == "POINT" else linear

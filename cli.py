@@ -1,0 +1,280 @@
+"""The command line: `dualcolor print` and `dualcolor demo`, alone or as `blender -b --command dualcolor …`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .core.errors import OutputError, PrintError, SettingsError
+from .core.outputs import OutputFiles
+from .core.settings import PrintSettings
+
+if TYPE_CHECKING:
+    import bpy
+
+    from .core.pipeline import DualColorPrint
+
+COMMAND = "dualcolor"
+DONE, USER_ERROR = 0, 1
+OUTPUTS = ("gcode", "blend", "render", "report", "dump")
+
+SUFFIXES = {"blend": ".blend", "render": ".png", "dump": ".npz"}
+
+_handles: list[Any] = []
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run one command and return its exit status: 0 done, 1 the user's error, 2 wrong usage.
+
+    Args:
+        argv: the arguments after the program's name.
+    """
+    parser = make_parser()
+    try:
+        args = parser.parse_args(list(argv))
+        changes = [_assignment(parser, text) for text in args.set]
+        _check_suffixes(parser, args)
+    except SystemExit as stop:  # argparse has printed its message
+        return int(stop.code or DONE)
+    try:
+        settings = _settings(args.settings, dict(changes))
+        summary = _demo(args, settings) if args.command == "demo" else _print(args, settings)
+    except PrintError as problem:
+        print("error:", " ".join(str(problem).split()), file=sys.stderr)
+        return USER_ERROR
+    print(summary)
+    return DONE
+
+
+def register_command() -> None:
+    """Make the commands known to Blender."""
+    import bpy
+
+    _handles.append(bpy.utils.register_cli_command(COMMAND, main))
+
+
+def unregister_command() -> None:
+    """Take the commands back."""
+    import bpy
+
+    while _handles:
+        bpy.utils.unregister_cli_command(_handles.pop())
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The arguments of all commands."""
+    parser = argparse.ArgumentParser(prog=COMMAND, description="Print a picture on a shape with two filaments.")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    job = commands.add_parser("print", help="turn a textured model into a dual-colour print")
+    job.add_argument("model", type=Path, metavar="MODEL", help=".blend, .obj, .stl, .ply, .glb or .gltf file")
+    job.add_argument("--object", default="", metavar="NAME", help="object to print (default: all meshes of an "
+                     "imported file, the active mesh of a .blend)")  # fmt: skip
+    job.add_argument("--texture", type=Path, metavar="IMAGE", help="picture to print instead of the model's own")
+    job.add_argument("--up", choices=("y", "z"), default="", help="axis of the file that points up (default: y for "
+                     ".obj, .glb and .gltf, z for .stl, .ply and .blend)")  # fmt: skip
+    job.add_argument("--height-mm", type=_positive, metavar="H", help="scale to this height (default: the size in the "
+                     "file, one unit of an imported file being 1 mm)")  # fmt: skip
+    job.add_argument("--unwrap", choices=("smart", "xatlas"), help="make UVs if the mesh has none")
+    _add_settings(job)
+    outputs = job.add_argument_group("outputs")
+    outputs.add_argument("--gcode", type=Path, metavar="F.gcode", help="G-code for the Replicator 2X")
+    outputs.add_argument("--blend", type=Path, metavar="F.blend", help="Blender file with the model and its strands")
+    outputs.add_argument("--render", type=Path, metavar="F.png", help="picture of the predicted print, by Cycles")
+    outputs.add_argument("--report", type=Path, metavar="F.json", help="figures of the print")
+    outputs.add_argument("--dump", type=Path, metavar="F.npz", help="outlines, waves and tones for checks")
+    demo = commands.add_parser("demo", help="print a sample that the program makes itself: Suzanne in a calico coat")
+    demo.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder of the files (default: out)")
+    _add_settings(demo)
+    return parser
+
+
+def _add_settings(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--settings", type=Path, metavar="F.json", help="settings by name, as JSON")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="one setting, repeatable; "
+                        "docs/settings.md lists them")  # fmt: skip
+
+
+def _positive(text: str) -> float:
+    number = float(text)
+    if not (math.isfinite(number) and number > 0):
+        raise ValueError
+    return number
+
+
+_positive.__name__ = "positive number"  # argparse puts it into its message
+
+
+def _assignment(parser: argparse.ArgumentParser, text: str) -> tuple[str, str]:
+    key, equals, value = text.partition("=")
+    if not equals:
+        parser.error(f"argument --set: {text!r} is not KEY=VALUE")
+    return key.strip(), value.strip()
+
+
+def _check_suffixes(parser: argparse.ArgumentParser, args: argparse.Namespace) -> None:
+    """Refuse names that Blender or numpy would change."""
+    for kind, suffix in SUFFIXES.items():
+        path = getattr(args, kind, None)
+        if path is not None and path.suffix.lower() != suffix:
+            parser.error(f"argument --{kind}: {path} does not end in {suffix}")
+
+
+def _settings(path: Path | None, changes: dict[str, str]) -> PrintSettings:
+    """Defaults, changed by a file, changed by single assignments.
+
+    Raises:
+        SettingsError: the file cannot be read or holds something else, or a setting does not fit.
+    """
+    values: Any = {}
+    if path is not None:
+        try:
+            values = json.loads(path.read_text(encoding="utf-8"))
+        except OSError as problem:
+            raise SettingsError(f"{path} cannot be read", problem.strerror or "") from None
+        except ValueError:
+            raise SettingsError(f"{path} is not JSON") from None
+        if not isinstance(values, dict):
+            raise SettingsError(f"{path} holds no settings", 'write them as {"layer_height": 0.2}')
+    return PrintSettings().changed({**values, **changes})
+
+
+def _print(args: argparse.Namespace, settings: PrintSettings) -> str:
+    paths = {kind: getattr(args, kind) for kind in OUTPUTS if getattr(args, kind) is not None}
+    with OutputFiles(paths.values()) as files:
+        from .bridge.image_input import load_image
+        from .bridge.model_file import open_model
+        from .bridge.quiet import quiet_stdout
+        from .bridge.unwrap import unwrap
+
+        with quiet_stdout():
+            obj = open_model(args.model, args.object, args.up, args.height_mm)
+            if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
+                unwrap(obj, args.unwrap)
+            image = load_image(args.texture) if args.texture else None
+        return _produce(obj, image, settings, paths, files)
+
+
+def _demo(args: argparse.Namespace, settings: PrintSettings) -> str:
+    stem = args.out / "suzanne"
+    suffixes = {"gcode": ".gcode", "blend": ".blend", "render": ".png", "report": ".json"}
+    paths = {kind: stem.with_suffix(suffix) for kind, suffix in suffixes.items()}
+    try:
+        args.out.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
+    with OutputFiles(paths.values()) as files:
+        from .bridge.quiet import quiet_stdout
+        from .bridge.sample import make_sample
+
+        with quiet_stdout(), _Progress() as progress:
+            progress.show(0.0, "making the sample")
+            obj = make_sample()
+        return _produce(obj, None, settings, paths, files)
+
+
+def _produce(
+    obj: bpy.types.Object,
+    image: bpy.types.Image | None,
+    settings: PrintSettings,
+    paths: dict[str, Path],
+    files: OutputFiles,
+) -> str:
+    """Compute the print of an object, then write what was asked for; returns the summary."""
+    import bpy
+
+    from .bridge.mesh_input import surface_model
+    from .bridge.quiet import quiet_stdout
+    from .core import pipeline
+
+    model = surface_model(obj, bpy.context.evaluated_depsgraph_get(), settings, image)
+    with _Progress() as progress:
+        result = pipeline.generate(model, settings, progress.show)
+        with quiet_stdout():
+            result = _write(result, obj, paths, files, progress)
+    return _summary(result, paths)
+
+
+def _write(
+    result: DualColorPrint,
+    obj: bpy.types.Object,
+    paths: dict[str, Path],
+    files: OutputFiles,
+    progress: _Progress,
+) -> DualColorPrint:
+    from .core import pipeline
+
+    if "gcode" in paths:
+        progress.show(1.0, "writing G-code")
+        result = pipeline.export_gcode(result, files.staged(paths["gcode"]))
+    if "dump" in paths:
+        pipeline.dump(result, files.staged(paths["dump"]))
+    if "blend" in paths or "render" in paths:
+        _show(result, obj, paths, files, progress)
+    if "report" in paths:
+        text = json.dumps(result.report, indent=2, allow_nan=False) + "\n"
+        files.staged(paths["report"]).write_text(text, encoding="utf-8")
+    return result
+
+
+def _show(
+    result: DualColorPrint,
+    obj: bpy.types.Object,
+    paths: dict[str, Path],
+    files: OutputFiles,
+    progress: _Progress,
+) -> None:
+    """Strands in the scene, saved and rendered."""
+    import bpy
+
+    from .bridge.curves import build_preview
+    from .bridge.render import render_prediction
+
+    progress.show(1.0, "building the strands")
+    strands = build_preview(result, obj)
+    if "blend" in paths:
+        bpy.ops.wm.save_as_mainfile(filepath=str(files.staged(paths["blend"]).resolve()), copy=True, compress=True)
+    if "render" in paths:
+        progress.show(1.0, "rendering")
+        render_prediction(strands, files.staged(paths["render"]))
+
+
+def _summary(result: DualColorPrint, paths: dict[str, Path]) -> str:
+    report = result.report
+    low, high = report["bounds_mm"]
+    size = " × ".join(f"{b - a:.1f}" for a, b in zip(low, high, strict=True))
+    hours, minutes = divmod(round(report["time_s"]["total"] / 60), 60)
+    filament = report["filament"]
+    lines = [
+        f"{result.name}: {size} mm, {report['layers']} layers, {report['tool_changes']} tool changes",
+        f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
+        f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
+        *(f"wrote {path} ({path.stat().st_size / 1e6:.1f} MB)" for path in paths.values() if path.exists()),
+        *(f"warning: {warning}" for warning in result.warnings),
+    ]
+    return "\n".join(lines)
+
+
+class _Progress:
+    """One line on a terminal's stderr that is written over; nothing where stderr is no terminal."""
+
+    def __init__(self) -> None:
+        self._shown = sys.stderr.isatty()
+
+    def __enter__(self) -> _Progress:
+        return self
+
+    def __exit__(self, *problem: object) -> None:
+        self._write("")
+
+    def show(self, share: float, stage: str) -> None:
+        """Say how far the job is, `share` from 0 to 1."""
+        self._write(f"{share:4.0%} {stage}")
+
+    def _write(self, text: str) -> None:
+        if self._shown:
+            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,83 @@
+"""Several output files of one command: all of them appear, or none does."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from types import TracebackType
+
+from .errors import OutputError
+
+
+class OutputFiles:
+    """Checked before the work starts, written under temporary names, renamed together at the end.
+
+    Used as a context manager: leaving the block normally puts all staged files in place, leaving it by an exception
+    removes them and touches nothing that was there.
+
+    Raises:
+        OutputError: two outputs have the same path, or a folder is missing or cannot be written to.
+    """
+
+    def __init__(self, paths: Iterable[Path]) -> None:
+        self._staged: dict[Path, Path] = {}
+        seen: set[Path] = set()
+        for path in paths:
+            if path.resolve() in seen:
+                raise OutputError(f"{path} is named for two outputs", "give each its own name")
+            seen.add(path.resolve())
+            _check_writable(path)
+
+    def staged(self, path: Path) -> Path:
+        """A temporary name in the same folder, with the same suffix, for what shall become `path`."""
+        target = Path(os.path.realpath(path))
+        folder = Path(tempfile.gettempdir()) if _is_device(target) else target.parent
+        self._staged[target] = folder / f".dualcolor-{os.getpid()}-{path.stem}.part{path.suffix}"
+        return self._staged[target]
+
+    def __enter__(self) -> OutputFiles:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if kind is None:
+                for target, part in self._staged.items():
+                    _put(part, target)
+        finally:
+            for part in self._staged.values():
+                part.unlink(missing_ok=True)
+
+
+def _is_device(path: Path) -> bool:
+    """Whether a path is something like /dev/null, which must not be renamed over."""
+    return path.exists() and not path.is_file()
+
+
+def _put(part: Path, target: Path) -> None:
+    try:
+        if _is_device(target):
+            target.write_bytes(part.read_bytes())
+        else:
+            os.replace(part, target)
+    except OSError as failed:
+        raise OutputError(f"{target} cannot be written", failed.strerror or "choose another path") from None
+
+
+def _check_writable(path: Path) -> None:
+    if path.is_dir():
+        raise OutputError(f"{path} cannot be written", "it is a folder")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path} cannot be written", f"there is no folder {path.parent}")
+    if path.exists() and not os.access(path, os.W_OK):
+        raise OutputError(f"{path} cannot be written", "the file is write-protected")
+    if _is_device(path):
+        return
+    try:
+        with tempfile.TemporaryFile(dir=Path(os.path.realpath(path)).parent):
+            pass
+    except OSError as failed:
+        raise OutputError(f"{path} cannot be written", failed.strerror or "its folder is not writable") from None
