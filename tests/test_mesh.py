@@ -65,13 +65,20 @@ def test_without_centering_the_object_stays():
     assert np.array_equal(mesh.bounds, [[20, -30, 1], [40, 10, 5]])
 
 
-def test_a_concave_quad_is_cut_inside():
-    arrow = [[0, 0], [10, 10], [0, 30], [2, 10]]  # corner 3 is the notch: only the diagonal 1-3 lies inside
-    mesh = triangulate(model(*prism(arrow)), SETTINGS)
+@pytest.mark.parametrize(
+    ("arrow", "area"),
+    [
+        ([[0, 0], [10, 10], [0, 30], [2, 10]], 120),  # the diagonal from the notch is the shorter one
+        ([[0, 0], [40, 5], [0, 10], [5, 5]], 175),  # it is the longer one
+    ],
+)
+@pytest.mark.parametrize("turn", range(4))
+def test_a_concave_quad_is_cut_inside(arrow, area, turn):
+    mesh = triangulate(model(*prism(np.roll(arrow, turn, axis=0))), SETTINGS)
     assert is_closed(mesh)
     top = face_vectors(mesh)[:, 2]
-    assert top.max() > 0 and top[top > 1e-9].sum() == pytest.approx(120)
-    assert top[top < -1e-9].sum() == pytest.approx(-120)
+    assert top[top > 1e-9].sum() == pytest.approx(area)
+    assert top[top < -1e-9].sum() == pytest.approx(-area)
 
 
 def test_a_flat_quad_is_cut_by_its_shorter_diagonal():

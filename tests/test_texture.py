@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-import shapely
 from dualcolor.core.errors import TextureError
 from dualcolor.core.model import ToneImage, TriangleMesh
-from dualcolor.core.texture.decode import tone_image
-from dualcolor.core.texture.islands import NO_ISLAND, components, rasterised, uv_islands
+from dualcolor.core.texture.islands import NO_ISLAND, rasterised, uv_islands
 from dualcolor.core.texture.lookup import tone_at
 from dualcolor.core.texture.pyramid import build_pyramids
-from PIL import Image
 
 BOTH = ["trilinear", "lanczos"]
 FOOTPRINTS = [0.1, 0.5, 0.8, 2.0, 5.0, 300.0]
@@ -121,6 +118,14 @@ def test_a_continuous_surface_is_one_island_and_does_mix():
     tone = np.broadcast_to(np.arange(64) < 32, (64, 64))
     found = look_up(mesh, [image(tone)], np.array([0]), np.array([[0.5, 0.25]]), 0.4)
     assert found == pytest.approx(0.5, abs=1e-6)
+
+
+def test_texels_count_by_how_much_of_them_the_chart_covers():
+    """Five of eight columns painted: halved, the third is half covered and says half as much as the second."""
+    tone = np.broadcast_to(np.arange(8) == 4, (8, 8))
+    mesh = plates((0, 0, 5 / 8, 1))
+    found = look_up(mesh, [image(tone)], np.array([0]), np.array([[0.5, 0.3]]), 10.0)
+    assert found == pytest.approx(1 / 3, abs=1e-6)
 
 
 @pytest.mark.parametrize("size", [(64, 64), (71, 60), (100, 512)])
@@ -261,6 +266,14 @@ def test_lanczos_reduces_each_direction_by_its_own_spacing_and_never_enlarges():
     assert build_pyramids(mesh, (picture,), 0.01, "lanczos").pictures[0].levels[0].paint.size == 200 * 400
 
 
+def test_lanczos_does_not_overshoot_at_an_edge():
+    tone = np.broadcast_to(np.arange(200) < 101, (200, 200))
+    for alpha in (1.0, tone * 0.5):
+        level = build_pyramids(plates((0, 0, 1, 1)), (image(tone, alpha),), 0.5, "lanczos").pictures[0].levels[0]
+        assert level.paint.size == 80 * 80
+        assert level.paint.min() >= 0 and (level.paint <= level.alpha).all() and level.alpha.max() <= 1
+
+
 def test_lanczos_does_not_care_how_the_picture_is_turned_on_the_object():
     mesh = plates((0, 0, 1, 1))
     turned = TriangleMesh(
@@ -268,42 +281,6 @@ def test_lanczos_does_not_care_how_the_picture_is_turned_on_the_object():
     )
     level = build_pyramids(turned, (image(np.full((200, 400), 0.5)),), 0.5, "lanczos").pictures[0].levels[0]
     assert (level.height, level.width) == (160, 40)
-
-
-def test_texels_are_labelled_where_their_centre_is_inside():
-    rng = np.random.default_rng(8)
-    uv = rng.uniform(0, 1, (40, 3, 2))
-    columns, rows = np.meshgrid((np.arange(45) + 0.5) / 45, (np.arange(38) + 0.5) / 38)
-    for triangle in uv:
-        labels, _ = rasterised(triangle[None], np.zeros(1, np.int64), 38, 45)
-        assert np.array_equal(labels == 0, shapely.contains_xy(shapely.Polygon(triangle), columns, rows))
-
-
-def test_a_triangulated_square_leaves_no_texel_out_and_none_twice():
-    rng = np.random.default_rng(9)
-    points = np.concatenate([rng.integers(0, 33, (60, 2)) / 32, [[0, 0], [1, 0], [0, 1], [1, 1]]])
-    parts = shapely.get_parts(shapely.delaunay_triangles(shapely.MultiPoint(points)))
-    uv = shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3]
-    labels = [rasterised(triangle[None], np.zeros(1, np.int64), 32, 32)[0] == 0 for triangle in uv]
-    assert (np.sum(labels, axis=0) == 1).all()
-
-
-def test_charts_beyond_the_picture_wrap_around():
-    mesh = plates((0.75, -0.25, 1.25, 0.5))
-    labels, _ = rasterised(mesh.face_uv, np.zeros(2, np.int64), 16, 16)
-    expected = np.zeros((16, 16), bool)
-    expected[np.ix_([12, 13, 14, 15, *range(8)], [12, 13, 14, 15, 0, 1, 2, 3])] = True
-    assert np.array_equal(labels == 0, expected)
-
-
-def test_components_of_a_long_shuffled_chain():
-    rng = np.random.default_rng(10)
-    names = rng.permutation(30000)
-    links = np.stack([names[:-1], names[1:]], axis=1)
-    cut = np.arange(len(links)) % 100 != 99
-    root = components(rng.permutation(links[cut]))
-    assert len(np.unique(root)) == 300
-    assert components(np.zeros((0, 3), np.int64)).shape == (0,)
 
 
 def test_an_empty_question_and_a_second_background():
@@ -324,19 +301,16 @@ def read_obj(path):
     return vertices, corners[..., 0], uv[corners[..., 1]]
 
 
-def test_a_real_atlas_does_not_let_its_clear_gutter_in(data):
-    """The bust's occlusion map is transparent between the charts: no background may show on the surface."""
-    vertices, faces, uv = read_obj(data / "meshes/gutenberg/Gutenberg.obj")
-    pixels = np.asarray(Image.open(data / "meshes/gutenberg/Gutenberg_occlusion.png").convert("RGBA"), np.float32)
-    picture = tone_image(pixels[::-1] / np.float32(255), False)
+def test_a_real_atlas_does_not_let_its_gutter_in(data):
+    """Spot's charts painted white in a black picture: white everywhere on her, however wide the footprint."""
+    vertices, faces, uv = read_obj(data / "meshes/spot/spot.obj")
     count = len(faces)
-    mesh = TriangleMesh(vertices * 60, faces, uv, np.full((count, 3), np.nan), np.zeros(count, np.int64))
+    mesh = TriangleMesh(vertices * 35, faces, uv, np.full((count, 3), np.nan), np.zeros(count, np.int64))
+    charts = rasterised(uv, np.zeros(count, np.int64), 512, 512)[0] == 0
+    assert 0.3 < charts.mean() < 0.7
     rng = np.random.default_rng(0)
     face = rng.integers(0, count, 20000)
     at = np.einsum("nk,nkd->nd", rng.dirichlet([1, 1, 1], 20000), uv[face])
-    for footprint in (0.5, 2.0):
-        pyramids = build_pyramids(mesh, (picture,), footprint, "trilinear")
-        low, high = (tone_at(pyramids, face, at, np.full(20000, np.nan), tone) for tone in (0.0, 1.0))
-        assert (high - low).mean() < 0.01
-        fine = tone_at(build_pyramids(mesh, (picture,), 0.01, "trilinear"), face, at, np.full(20000, np.nan), 0.5)
-        assert low.mean() == pytest.approx(fine.mean(), abs=0.02)
+    for footprint in (0.5, 2.0, 20.0):
+        found = look_up(mesh, [image(charts)], face, at, footprint)
+        assert np.count_nonzero(found < 1 - 1e-6) < 20  # slivers at the tips of charts that cover no texel's centre

@@ -78,7 +78,7 @@ def test_pixels_keep_their_place_in_large_pictures():
     pixels[650, 3, 0] = 0.1234  # the last part is no byte picture any more
     image = tone_image(pixels, True)
     linear = linear_from_srgb(pixels[..., :3].astype(float))
-    assert image.tone == pytest.approx(linear @ [0.2126, 0.7152, 0.0722], abs=1e-5)
+    assert np.abs(image.tone - linear @ [0.2126, 0.7152, 0.0722]).max() < 1e-6
     assert np.array_equal(image.alpha, pixels[..., 3])
 
 

@@ -68,7 +68,7 @@ def reduced(
 
 
 def _resized(image: Float32Array, size: tuple[int, int]) -> Float32Array:
-    picture = Image.fromarray(image, mode="F").resize(size, Image.Resampling.LANCZOS)
+    picture = Image.fromarray(image).resize(size, Image.Resampling.LANCZOS)
     return np.asarray(picture, dtype=np.float32)
 
 
