@@ -11,6 +11,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..core.errors import OutputError, PrintError
 from ..core.files import write_file
@@ -20,13 +21,14 @@ from .curves import STRANDS_KEY, new_curves, read_strands, set_drawing
 from .studio import add_backdrop, add_camera, add_lights, camera_axes
 
 BESIDE_THE_OBJECT = (Feature.TOWER, Feature.SKIRT)
+STUDIO_SIZE = 100.0
 
 
 def render_prediction(
     collection: bpy.types.Collection,
     path: str | PathLike[str],
     resolution: tuple[int, int] = (900, 900),
-    samples: int = 64,
+    samples: int = 32,
     azimuth_deg: float = -30.0,
     elevation_deg: float = 18.0,
     whole_plate: bool = False,
@@ -37,7 +39,7 @@ def render_prediction(
         collection: made by `build_preview`.
         path: of the picture.
         resolution: width and height in pixels.
-        samples: a pixel.
+        samples: of each pixel at most; with the denoiser 32 are enough.
         azimuth_deg: where the camera stands: 0 in front (-Y), positive to the right of it.
         elevation_deg: how far above the horizon it stands.
         whole_plate: with the cleaning tower and the skirt; otherwise the object alone.
@@ -62,24 +64,33 @@ def render_prediction(
 
 
 def _copy_strands(collection: bpy.types.Collection, scene: bpy.types.Scene, whole_plate: bool) -> FloatArray:
-    """Put copies of the wanted strands into the scene and return (N, 3) points of them all in world coordinates."""
-    seen = []
+    """Put copies of the wanted strands into the scene and return (N, 3) points of them all in world coordinates.
+
+    The copies are scaled to one size, for rods of a tenth of a millimetre in a scene of metres are too thin for the
+    renderer's single precision: it would add specks of light.
+    """
+    wanted = []
     for shown in [held for held in collection.objects if held.get(STRANDS_KEY)]:
         points, counts, radius, labels = read_strands(shown)
-        wanted = whole_plate | ~np.isin(labels["feature"], BESIDE_THE_OBJECT)
-        of_point = np.repeat(wanted, counts)
-        if not of_point.any():
-            continue
-        data = new_curves(shown.name, points[of_point], counts[wanted], radius[of_point], {})
+        chosen = whole_plate | ~np.isin(labels["feature"], BESIDE_THE_OBJECT)
+        of_point = np.repeat(chosen, counts)
+        if of_point.any():
+            wanted.append((shown, points[of_point], counts[chosen], radius[of_point]))
+    if not wanted:
+        raise PrintError("there are no strands to render", "generate the toolpath first")
+    matrices = [np.array(shown.matrix_world) for shown, *_ in wanted]
+    world = [
+        points @ matrix[:3, :3].T + matrix[:3, 3] for (_, points, *_), matrix in zip(wanted, matrices, strict=True)
+    ]
+    factor = STUDIO_SIZE / float(np.linalg.norm(np.ptp(np.concatenate(world), axis=0)))
+    for (shown, points, counts, radius), matrix in zip(wanted, matrices, strict=True):
+        data = new_curves(shown.name, points * factor, counts, radius * factor, {})
         data.materials.append(shown.data.materials[0])
         copy = bpy.data.objects.new(shown.name, data)
-        copy.matrix_world = shown.matrix_world
+        matrix[:3, 3] *= factor
+        copy.matrix_world = Matrix(matrix.tolist())
         scene.collection.objects.link(copy)
-        matrix = np.array(shown.matrix_world)
-        seen.append(points[of_point] @ matrix[:3, :3].T + matrix[:3, 3])
-    if not seen:
-        raise PrintError("there are no strands to render", "generate the toolpath first")
-    return np.concatenate(seen)
+    return np.concatenate(world) * factor
 
 
 def _set_output(scene: bpy.types.Scene, path: Path, resolution: tuple[int, int], samples: int) -> None:
@@ -94,7 +105,7 @@ def _set_output(scene: bpy.types.Scene, path: Path, resolution: tuple[int, int],
     set_drawing(scene)
     cycles = scene.cycles
     cycles.device, cycles.samples = "CPU", samples
-    cycles.use_adaptive_sampling = True
+    cycles.use_adaptive_sampling, cycles.adaptive_threshold = True, 0.05
     cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 4, 2
     try:
         cycles.denoiser, cycles.use_denoising = "OPENIMAGEDENOISE", True

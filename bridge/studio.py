@@ -14,8 +14,8 @@ from .plastics import diffuse_material
 _HALF_ANGLE_RAD = math.radians(11.0)
 _MARGIN = 0.86
 _BACKDROP_REFLECTANCE = 0.55
-_DOME_RADIANCE = 0.7
-_KEY_RADIANCE = 4.5
+_DOME_RADIANCE = 0.42
+_KEY_RADIANCE = 2.3
 _KEY_EDGE = -0.1
 
 
