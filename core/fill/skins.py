@@ -11,8 +11,8 @@ from .parallel import Shapes, in_chunks
 from .walls import offset, simplified
 
 _SIMPLIFY_MM = 0.05
-_GRID_MM = 1e-4
-_AREA_ERROR_MM2 = 0.01
+_GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
+_AREA_ERROR_MM2 = 0.01  # of an overlay that went right
 _SMALLEST_SPARSE_MM2 = 10.0  # a sparse remnant below this holds a line or two at best
 
 
@@ -75,7 +75,7 @@ def covered(inside: Shapes, layer: IntArray, outlines: Shapes, steps: list[int])
         left[bare] = shapely.Polygon()
         rows = np.flatnonzero(~bare & ~shapely.is_empty(left))
         rows = rows[~shapely.contains_properly(near[other[rows] - low], left[rows])]
-        again = left[rows] != inside[rows]
+        again = left[rows] != inside[rows]  # cut before, along an outline that may be nearly the same
         for part, grid_mm in ((rows[~again], None), (rows[again], _GRID_MM)):
             left[part] = _polygonal(shapely.intersection(near[other[part] - low], left[part], grid_size=grid_mm))
     return left

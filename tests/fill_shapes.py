@@ -1,0 +1,59 @@
+"""Shapes to fill, and ways to look at the paths that fill them."""
+
+import numpy as np
+import shapely
+
+WIDTH = 0.4
+
+
+def square(side, x=0.0, y=0.0):
+    return shapely.box(x - side / 2, y - side / 2, x + side / 2, y + side / 2)
+
+
+def annulus(outer, inner, x=0.0, y=0.0):
+    return shapely.difference(square(outer, x, y), square(inner, x, y))
+
+
+def shapes(items):
+    column = np.empty(len(items), dtype=object)
+    column[:] = items
+    return column
+
+
+def stack(layers, inset=1.0):
+    """Sliced layers, and one island a layer, set back as the waved wall would leave it."""
+    sliced = shapes(layers)
+    return sliced, shapely.buffer(sliced, -inset, join_style="mitre"), np.arange(len(layers))
+
+
+def blobs(count, seed, span=20.0):
+    """Wobbly regions with wobbly holes."""
+    random = np.random.default_rng(seed)
+    turn = np.linspace(0, 2 * np.pi, 240, endpoint=False)
+    waves = np.arange(2, 14)
+
+    def ring(radius):
+        wobble = (random.normal(size=(12, 1)) / waves[:, None] * np.cos(waves[:, None] * turn)).sum(axis=0)
+        reach = radius * np.maximum(1 + 0.5 * wobble, 0.2)
+        return shapely.Polygon(np.stack([reach * np.cos(turn), reach * np.sin(turn)], axis=1))
+
+    made = [shapely.difference(ring(span), shapely.affinity.translate(ring(span / 5), span / 4)) for _ in range(count)]
+    return shapes([shapely.buffer(shape, 0) for shape in made])
+
+
+def table_is_sound(paths):
+    counts = np.diff(paths.start)
+    assert paths.start[0] == 0 and paths.start[-1] == len(paths.points) == len(paths.width)
+    assert (counts >= np.where(paths.closed, 3, 2)).all()
+    assert np.isfinite(paths.points).all() and (paths.width == WIDTH).all()
+    assert len(counts) == len(paths.layer) == len(paths.feature) == len(paths.island) == len(paths.closed)
+
+
+def lines_of(paths, feature=None, layer=None):
+    """The chosen paths as shapely lines, closed ones closed."""
+    lines = []
+    for k in range(len(paths.layer)):
+        if feature in (None, paths.feature[k]) and layer in (None, paths.layer[k]):
+            points = paths.points[paths.start[k] : paths.start[k + 1]]
+            lines.append(shapely.LineString(np.concatenate([points, points[:1]]) if paths.closed[k] else points))
+    return shapes(lines)
