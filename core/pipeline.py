@@ -1,0 +1,243 @@
+"""The main job, stage by stage: the only place that knows their order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from .errors import MeshError
+from .files import write_file
+from .fill.paths import fill_paths
+from .gcode.writer import gcode_text
+from .mesh import triangulate
+from .model import FloatArray, SurfaceModel, TriangleMesh
+from .pattern.contours import Contours, contours
+from .pattern.quality import seam_errors
+from .pattern.sampling import Projector, Samples, sample
+from .pattern.wave import WavedOutlines, modulated, tone_along_wall, waved
+from .printer import REPLICATOR_2X
+from .report import StageClock, header_lines, peak_rss_mb
+from .settings import PrintSettings
+from .slicing.slices import Slices, slices
+from .statistics import filament_use, print_time
+from .texture.lookup import tone_at
+from .texture.pyramid import TexturePyramids, build_pyramids
+from .toolpaths.assemble import assemble
+from .toolpaths.moves import Feature, Moves, Paths
+from .toolpaths.order import ordered
+from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
+from .toolpaths.skirt import skirt_paths
+from .toolpaths.tower import tower_paths
+
+Progress = tuple[float, str]
+# Outlines behind the wave may differ from the true ones by this much, mm.
+FILL_TOLERANCE = 0.02
+
+
+@dataclass(frozen=True)
+class DualColorPrint:
+    """A finished job.
+
+    Attributes:
+        settings: as used.
+        name: of the object.
+        mesh: as sliced, on the bed.
+        outlines: the waved outer wall.
+        slices: of all layers.
+        moves: the print in order.
+        report: JSON-ready.
+        warnings: findings that did not stop the job, one sentence each.
+    """
+
+    settings: PrintSettings
+    name: str
+    mesh: TriangleMesh
+    slices: Slices
+    outlines: WavedOutlines
+    moves: Moves
+    report: dict[str, Any]
+    warnings: list[str]
+
+
+def generate(
+    model: SurfaceModel, settings: PrintSettings, on_progress: Callable[[float, str], None] | None = None
+) -> DualColorPrint:
+    """Run the whole job; `on_progress` is told the share done and the stage.
+
+    Raises:
+        PrintError: the input cannot be printed.
+    """
+    job = steps(model, settings)
+    while True:
+        try:
+            done, stage = next(job)
+        except StopIteration as finished:
+            result: DualColorPrint = finished.value
+            return result
+        if on_progress:
+            on_progress(done, stage)
+
+
+def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, None, DualColorPrint]:
+    """The job as a generator: yields (share done, name of the stage to come), returns the print.
+
+    Raises:
+        PrintError: the input cannot be printed.
+    """
+    clock = StageClock()
+
+    def stage(done: float, name: str) -> Progress:
+        clock.begin(name)
+        return done, name
+
+    yield stage(0.0, "mesh")
+    mesh = triangulate(model, settings)
+    yield stage(0.05, "slicing")
+    cut = slices(mesh, settings)
+    yield stage(0.2, "contours")
+    lines = contours(cut.outlines, cut.loop_polygon, settings)
+    yield stage(0.3, "sampling")
+    projector = Projector(lines, settings.projection_threshold)
+    samples = _samples(lines, projector, settings)
+    yield stage(0.4, "texture")
+    pyramids = build_pyramids(mesh, model.textures, 2 * settings.layer_height, settings.texture_filter)
+    yield stage(0.45, "tone")
+    tone = _tone(lines, pyramids, settings)
+    yield stage(0.5, "modulation")
+    depth, set_back = modulated(lines, tone, settings)
+    outlines = waved(lines, samples, tone, depth, set_back, settings)
+    yield stage(0.6, "fill")
+    inside = inside_of_wall(lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
+    fill = fill_paths(cut.regions, inside, cut.polygon_layer, settings)
+    yield stage(0.75, "toolpaths")
+    moves = _moves(outlines, fill, cut, settings)
+    yield stage(0.9, "analysis")
+    pattern = seam_errors(lines, samples, projector).shares(len(samples.arc))
+    warnings = _warnings(cut, model, lines, samples)
+    report = _report(model.name, mesh, cut, moves, settings)
+    clock.stop()
+    report |= {"pattern": pattern, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
+    report |= {"peak_rss_mb": peak_rss_mb(), "warnings": warnings}
+    return DualColorPrint(settings, model.name, mesh, cut, outlines, moves, report, warnings)
+
+
+def _samples(lines: Contours, projector: Projector, settings: PrintSettings) -> Samples:
+    if settings.pattern == "offset":
+        return Samples(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(len(lines.layer) + 1, dtype=np.int64))
+    return sample(lines, projector, settings)
+
+
+def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -> FloatArray:
+    tone = tone_at(pyramids, lines.face, lines.carried[:, :2], lines.carried[:, 2], settings.background_tone)
+    if settings.pattern == "offset" or settings.texture_filter == "lanczos":
+        return tone
+    # The look-up has averaged over a layer pair in all directions; a wave cannot show more than one tone along it.
+    return tone_along_wall(tone, lines, settings.wavelength)
+
+
+def _moves(outlines: WavedOutlines, fill: Paths, cut: Slices, settings: PrintSettings) -> Moves:
+    wall = outer_wall_paths(outlines)
+    occupied = np.stack([outlines.points.min(axis=0), outlines.points.max(axis=0)])
+    margin = settings.extrusion_width / 2
+    occupied += np.array([[-margin], [margin]])
+    tower = tower_paths(len(cut.layers), occupied, settings)
+    parts = [wall, fill, tower]
+    skirt = skirt_paths(_footprint(cut, tower), settings)
+    moves = assemble(ordered(Paths.joined([*parts, skirt]), settings), cut.layers, settings)
+    _check_reach(moves)
+    return moves
+
+
+def _footprint(cut: Slices, tower: Paths) -> shapely.Geometry:
+    first = [cut.regions[0]]
+    if len(tower.layer):
+        first.append(shapely.polygons(tower.points[tower.start[0] : tower.start[1]]))
+    return shapely.union_all(first)
+
+
+def _check_reach(moves: Moves) -> None:
+    printed = moves.position[moves.extrudes]
+    low, high = printed.min(axis=0), printed.max(axis=0)
+    least, most = np.array(REPLICATOR_2X.reach_min), np.array(REPLICATOR_2X.reach_max)
+    if (low[:2] < least[:2]).any() or (high > most).any():
+        size = " × ".join(f"{extent:.0f}" for extent in high - low)
+        allowed = " × ".join(f"{extent:.0f}" for extent in most - least * [1, 1, 0])
+        raise MeshError(
+            f"the print with its tower takes {size} mm, more than both nozzles reach ({allowed} mm)",
+            "scale the object down or turn it",
+        )
+
+
+def _warnings(cut: Slices, model: SurfaceModel, lines: Contours, samples: Samples) -> list[str]:
+    warnings = []
+    if cut.united_layers:
+        warnings.append(f"outlines cross in {cut.united_layers} layers and were united there")
+    if not model.textures and model.corner_tone is None:
+        warnings.append("the object has no texture and no colour attribute: it prints in one even tone")
+    thin = float((lines.width < 0.999 * lines.width.max()).mean()) if len(lines.width) else 0.0
+    if thin > 0.01:
+        warnings.append(f"{thin:.0%} of the outline bounds walls thinner than two lines; they print with thinner lines")
+    short = int((np.diff(samples.start) == 0).sum())
+    if len(samples.arc) and short:
+        warnings.append(
+            f"{short} of {len(lines.layer)} outlines are too short for the pattern and print without a wave"
+        )
+    return warnings
+
+
+def _report(name: str, mesh: TriangleMesh, cut: Slices, moves: Moves, settings: PrintSettings) -> dict[str, Any]:
+    time = print_time(moves, settings)
+    return {
+        "name": name,
+        "layers": len(cut.layers),
+        "tool_changes": int((np.diff(moves.tool) != 0).sum()),
+        "bounds_mm": mesh.bounds.tolist(),
+        "settings": settings.as_dict(),
+        "time_s": time,
+        "filament": filament_use(moves, settings),
+        "outline_spans": int((np.diff((moves.feature == Feature.OUTER_WALL).astype(np.int8)) > 0).sum()),
+        "gcode": {"bytes": 0, "moves": len(moves.tool)},
+    }
+
+
+def export_gcode(result: DualColorPrint, path: Path) -> DualColorPrint:
+    """Write the G-code file; returns the print with its report brought up to date.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    clock = StageClock()
+    clock.begin("gcode")
+    text = gcode_text(result.moves, result.settings, header_lines(result.report))
+    write_file(path, text)
+    clock.stop()
+    stages = {**result.report["stages_s"], **clock.seconds}
+    report = {**result.report, "stages_s": stages, "total_s": sum(stages.values()), "peak_rss_mb": peak_rss_mb()}
+    report["gcode"] = {"bytes": len(text), "moves": text.count(b"\nG1 ")}
+    return replace(result, report=report)
+
+
+def dump(result: DualColorPrint, path: Path) -> None:
+    """Write the outlines before and after the wave as .npz, for independent checks.
+
+    Arrays: layer_z (L,), loop_layer (M,), loop_start (M + 1,), and for each of N outline points base_xy, wave_xy,
+    phase (t before the layer's sign), depth (mm, peak to peak), tone, uv.
+    """
+    lines = result.outlines
+    np.savez_compressed(
+        path,
+        layer_z=result.slices.layers.top,
+        loop_layer=lines.layer,
+        loop_start=lines.start,
+        base_xy=lines.base,
+        wave_xy=lines.points,
+        phase=lines.phase,
+        depth=lines.depth,
+        tone=lines.tone,
+        uv=lines.uv,
+    )

@@ -1,0 +1,49 @@
+"""The report of a job: what was made, how well the pattern fits, what it costs, how long each stage took."""
+
+from __future__ import annotations
+
+import resource
+import sys
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any
+
+
+@dataclass
+class StageClock:
+    """Seconds by stage; a stage runs from `begin` to the next `begin` or to `stop`."""
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    _stage: str = ""
+    _since: float = 0.0
+
+    def begin(self, stage: str) -> None:
+        """End the running stage and start another one; the same name may come again and adds up."""
+        self.stop()
+        self._stage, self._since = stage, perf_counter()
+
+    def stop(self) -> None:
+        """End the running stage."""
+        if self._stage:
+            spent = perf_counter() - self._since
+            self.seconds[self._stage] = self.seconds.get(self._stage, 0.0) + spent
+        self._stage = ""
+
+
+def peak_rss_mb() -> float:
+    """Most memory that the process has held so far, MB."""
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (1024 * 1024 if sys.platform == "darwin" else 1024)
+
+
+def header_lines(report: dict[str, Any]) -> list[str]:
+    """Totals for the head of the G-code file."""
+    time, filament = report["time_s"], report["filament"]
+    return [
+        f"object = {report['name']}",
+        f"layers = {report['layers']}",
+        f"tool_changes = {report['tool_changes']}",
+        f"time_s = {time['total']:.0f}",
+        f"filament_tool0_mm = {filament['tool0_mm']:.1f}",
+        f"filament_tool1_mm = {filament['tool1_mm']:.1f}",
+    ]

@@ -1,0 +1,83 @@
+"""The waved outlines as paths, and the room that they leave for what lies behind them."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..model import FloatArray, IntArray
+from ..pattern.contours import Contours
+from ..pattern.wave import WavedOutlines, valley_lines
+from ..slicing.outlines import sums
+from .moves import Feature, Paths
+
+
+def outer_wall_paths(waved: WavedOutlines) -> Paths:
+    """One closed path an outline; its island is the sliced region that it bounds."""
+    loops = len(waved.layer)
+    return Paths(
+        points=waved.points,
+        start=waved.start,
+        layer=waved.layer,
+        feature=np.full(loops, int(Feature.OUTER_WALL), dtype=np.int64),
+        island=waved.polygon,
+        closed=np.ones(loops, dtype=bool),
+        width=waved.width,
+    )
+
+
+def inside_of_wall(
+    lines: Contours, depth: FloatArray, set_back: FloatArray, polygons: int, tolerance: float
+) -> NDArray[np.object_]:
+    """(I,) what lies inside the innermost line of the outer wall of each sliced region; empty where nothing does.
+
+    Args:
+        lines: contours; their `polygon` is one of the I regions.
+        depth: (N,) mm, of the wave at each contour point.
+        set_back: (N,) mm.
+        polygons: I.
+        tolerance: mm, by which the result may be simplified.
+    """
+    valleys = valley_lines(lines, depth, set_back)
+    before, after = _signed_area(lines.points, lines.start), _signed_area(valleys, lines.start)
+    outer = before > 0
+    # A line that turned inside out has no inside left; a hole that did is gone the other way and stays a hole.
+    usable = np.where(outer, after > 0, np.abs(after) > 0)
+    inside = np.full(polygons, shapely.Polygon(), dtype=object)
+    shells = np.flatnonzero(outer & usable)
+    if len(shells) == 0:
+        return inside
+    rings = _rings(valleys, lines.start, tolerance)
+    inside[lines.polygon[shells]] = rings[shells]
+    holes = np.flatnonzero(~outer & usable)
+    parts, hole = shapely.get_parts(rings[holes], return_index=True)
+    of_part = lines.polygon[holes][hole]
+    order = np.argsort(of_part, kind="stable")
+    pierced, group = np.unique(of_part[order], return_inverse=True)
+    if len(pierced):
+        gathered = shapely.buffer(shapely.multipolygons(parts[order], indices=group), 0)
+        inside[pierced] = shapely.difference(inside[pierced], gathered)
+    return inside
+
+
+def _rings(points: FloatArray, start: IntArray, tolerance: float) -> NDArray[np.object_]:
+    closing = np.insert(points, start[1:], points[start[:-1]], axis=0)
+    ring = np.repeat(np.arange(len(start) - 1), np.diff(start) + 1)
+    lines = shapely.simplify(shapely.linestrings(closing, indices=ring), tolerance, preserve_topology=False)
+    count = shapely.get_num_coordinates(lines)
+    rings = np.full(len(lines), shapely.Polygon(), dtype=object)
+    sound = count >= 4
+    corners, index = shapely.get_coordinates(lines[sound], return_index=True)
+    rings[sound] = shapely.polygons(shapely.linearrings(corners, indices=index))
+    broken = ~shapely.is_valid(rings)
+    # Where the line folds over itself, a buffer of no width drops the folds, which run backwards around nothing.
+    rings[broken] = shapely.buffer(rings[broken], 0)
+    return rings
+
+
+def _signed_area(points: FloatArray, start: IntArray) -> FloatArray:
+    following = np.arange(1, len(points) + 1)
+    following[start[1:] - 1] = start[:-1]
+    ahead = points[following]
+    return sums(points[:, 0] * ahead[:, 1] - points[:, 1] * ahead[:, 0], start) / 2
