@@ -13,8 +13,8 @@ from ..core.errors import MeshError, TextureError
 from ..core.model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneImage
 from ..core.settings import PrintSettings
 from ..core.texture.decode import colour_tone
-from .image_input import image_tone
 from .base_colour import BaseColour, base_colour
+from .image_input import image_tone
 from .units import mm_per_unit
 
 WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
