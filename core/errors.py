@@ -34,7 +34,3 @@ class TextureError(PrintError):
 
 class OutputError(PrintError):
     """A file that cannot be written."""
-
-
-class Cancelled(Exception):
-    """The user pressed Esc; not an error, nothing is reported and nothing is left behind."""

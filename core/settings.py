@@ -52,7 +52,7 @@ class PrintSettings:
         group="pattern",
     )
     wavelength: float = setting(
-        1.2, "Least distance between two waves along the outline; the greatest is twice this", "mm", 0.4, 10, group="pattern"
+        1.2, "Least distance of two waves along the outline; the greatest is twice this", "mm", 0.4, 10, group="pattern"
     )
     wave_depth_max: float = setting(
         0.75, "Depth of an unattenuated wave, peak to peak", "mm", 0.0, 3.0, group="pattern"
@@ -61,13 +61,13 @@ class PrintSettings:
         0.375, "Depth of a fully attenuated wave, peak to peak", "mm", 0.0, 3.0, group="pattern"
     )
     offset_max: float = setting(
-        0.3, "How far the line of a fully attenuated colour is set back behind the surface", "mm", 0.0, 2.0, group="pattern"
+        0.3, "How far the line of a fully attenuated colour is set back", "mm", 0.0, 2.0, group="pattern"
     )
     projection_threshold: float = setting(
-        0.6, "A sample farther than this from the next layer's outline is not carried on", "mm", 0.05, 5.0, group="pattern"
+        0.6, "A sample farther than this from the next layer is not carried on", "mm", 0.05, 5.0, group="pattern"
     )
     relaxation: float = setting(
-        0.05, "Share of the way to the middle of its neighbours that a sample is moved on each layer", "", 0.0, 0.5, group="pattern"
+        0.05, "Share of the way to the middle of its neighbours that a sample moves", "", 0.0, 0.5, group="pattern"
     )
     flat_layers: int = setting(0, "Layers at the bottom that are printed without a wave", "", 0, 1000, group="pattern")
     chord_tolerance: float = setting(
@@ -91,9 +91,15 @@ class PrintSettings:
     bottom_solid_layers: int = setting(3, "Solid layers at the bottom", "", 0, 100)
     top_solid_layers: int = setting(3, "Solid layers at the top", "", 0, 100)
     infill_density: float = setting(10.0, "Share of the inside that is filled", "%", 0.0, 100.0)
-    infill_pattern: str = setting("rectilinear", "Lines in one direction a layer, or in two", choices=("rectilinear", "grid"))
-    infill_angle: float = setting(45.0, "Direction of the fill; it alternates between + and - this angle", "°", 0.0, 90.0)
-    infill_overlap: float = setting(15.0, "How far the fill reaches into the wall, in % of the line width", "%", 0.0, 50.0)
+    infill_pattern: str = setting(
+        "rectilinear", "Lines in one direction a layer, or in two", choices=("rectilinear", "grid")
+    )
+    infill_angle: float = setting(
+        45.0, "Direction of the fill; it alternates between + and - this angle", "°", 0.0, 90.0
+    )
+    infill_overlap: float = setting(
+        15.0, "How far the fill reaches into the wall, in % of the line width", "%", 0.0, 50.0
+    )
 
     # Order
     outer_wall_first: bool = setting(False, "Print the waved outline before the walls behind it")
@@ -125,7 +131,9 @@ class PrintSettings:
     z_hop: float = setting(0.4, "Lift at a tool change", "mm", 0.0, 5.0)
 
     # Filament and temperature (tool 0, right nozzle: black; tool 1, left nozzle: white)
-    black_tool: int = setting(0, "Tool that holds the black filament: 0 is the right nozzle, 1 the left", "", 0, 1, group="filament")
+    black_tool: int = setting(
+        0, "Tool with the black filament: 0 is the right nozzle, 1 the left", "", 0, 1, group="filament"
+    )
     filament_diameter_0: float = setting(1.75, "Diameter of the filament in tool 0", "mm", 1.0, 3.5, group="filament")
     filament_diameter_1: float = setting(1.75, "Diameter of the filament in tool 1", "mm", 1.0, 3.5, group="filament")
     filament_density: float = setting(1.04, "Density of the filament; ABS is 1.04", "g/cm3", 0.5, 5.0, group="filament")
