@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.beads import Strands, strands
 from ..core.model import FloatArray, IntArray, TriangleMesh
+from .mesh_input import evaluated_mesh
 from .plastics import plastic
 from .units import mm_per_unit
 
@@ -178,13 +179,11 @@ def _replace_strands(collection: bpy.types.Collection, new: list[bpy.types.Objec
 
 def _bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> FloatArray:
     """(3,) mm, where the bed's origin lies in the world so that the print stands in its source's place."""
-    evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    data = evaluated.to_mesh()
-    local = np.empty(len(data.vertices) * 3, dtype=np.float32)
-    data.attributes["position"].data.foreach_get("vector", local)
-    corners = np.empty(len(data.loops), dtype=np.int32)
-    data.loops.foreach_get("vertex_index", corners)
-    evaluated.to_mesh_clear()
+    with evaluated_mesh(source, bpy.context.evaluated_depsgraph_get()) as data:
+        local = np.empty(len(data.vertices) * 3, dtype=np.float32)
+        data.attributes["position"].data.foreach_get("vector", local)
+        corners = np.empty(len(data.loops), dtype=np.int32)
+        data.loops.foreach_get("vertex_index", corners)
     matrix = np.array(source.matrix_world)
     world = local.reshape(-1, 3)[np.unique(corners)] @ matrix[:3, :3].T + matrix[:3, 3]
     return world.min(axis=0) * unit - mesh.bounds[0]

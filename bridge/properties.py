@@ -1,0 +1,123 @@
+"""The settings of an object as Blender properties, made from `PrintSettings` so that nothing is declared twice."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import Field, fields
+from typing import Any
+
+import bpy
+
+from ..core.settings import PrintSettings
+from .curves import is_print_shown, show_print
+
+FLOAT_DIGITS = 6
+"""A FloatProperty is single precision: 0.2 comes back as 0.200000003, which six significant digits undo."""
+
+
+def label_of(declared: Field[Any]) -> str:
+    """A setting's name in title case; with its unit unless the field itself shows it."""
+    title = declared.name.replace("_", " ").title()
+    unit = declared.metadata["unit"]
+    return f"{title} ({unit})" if unit not in ("", "mm", "%") else title
+
+
+def property_of(declared: Field[Any]) -> Any:
+    """The Blender property of a setting: its type, default, limits, choices and description.
+
+    Lengths have the unit of camera lenses, the only one that Blender shows in mm in every scene.
+    """
+    limits, default = declared.metadata, declared.default
+    common = {"name": label_of(declared), "default": default, "description": limits["description"]}
+    if limits["choices"]:
+        items = [(choice, choice.replace("_", " ").title(), "") for choice in limits["choices"]]
+        return bpy.props.EnumProperty(items=items, **common)
+    if isinstance(default, bool):
+        return bpy.props.BoolProperty(**common)
+    if isinstance(default, int):
+        return bpy.props.IntProperty(min=int(limits["low"]), max=int(limits["high"]), **common)
+    shown = {"mm": {"unit": "CAMERA"}, "%": {"subtype": "PERCENTAGE"}}.get(limits["unit"], {})
+    step = 1 if limits["high"] <= 10 else 100
+    return bpy.props.FloatProperty(
+        min=limits["low"], max=limits["high"], precision=3 if step == 1 else 1, step=step, **shown, **common
+    )
+
+
+def values_of(group: bpy.types.PropertyGroup) -> dict[str, Any]:
+    """All settings by name, not validated together."""
+    values = {declared.name: getattr(group, declared.name) for declared in fields(PrintSettings)}
+    return {
+        name: float(f"{value:.{FLOAT_DIGITS}g}") if isinstance(value, float) else value
+        for name, value in values.items()
+    }
+
+
+def to_settings(group: bpy.types.PropertyGroup) -> PrintSettings:
+    """The settings that an object holds.
+
+    Raises:
+        SettingsError: two of them are at odds.
+    """
+    return PrintSettings(**values_of(group))
+
+
+def from_settings(group: bpy.types.PropertyGroup, settings: PrintSettings) -> None:
+    """Give an object all settings."""
+    for name, value in settings.as_dict().items():
+        setattr(group, name, value)
+
+
+def set_report(group: bpy.types.PropertyGroup, report: dict[str, Any]) -> None:
+    """Store what a finished job reports, warnings included."""
+    group.report = json.dumps(report)
+
+
+def report_of(group: bpy.types.PropertyGroup) -> dict[str, Any]:
+    """What the last job reported; empty before the first."""
+    return json.loads(group.report) if group.report else {}
+
+
+def _get_show_print(group: bpy.types.PropertyGroup) -> bool:
+    return is_print_shown(group.id_data)
+
+
+def _set_show_print(group: bpy.types.PropertyGroup, shown: bool) -> None:
+    show_print(group.id_data, shown)
+
+
+_OWN = {
+    "image": bpy.props.PointerProperty(
+        type=bpy.types.Image,
+        name="Image",
+        description="Picture to print; without one the image of the material, then the active color attribute is used",
+    ),
+    "report": bpy.props.StringProperty(name="Report", description="Figures of the last job, JSON", options={"HIDDEN"}),
+    "show_print": bpy.props.BoolProperty(
+        name="Show Print",
+        description="Show the strands of the predicted print in place of the model",
+        get=_get_show_print,
+        set=_set_show_print,
+    ),
+}
+
+DualColorProperties = type(
+    "DualColorProperties",
+    (bpy.types.PropertyGroup,),
+    {
+        "__doc__": "Settings, picture and last report, stored with the object.",
+        "__module__": __name__,
+        "__annotations__": {declared.name: property_of(declared) for declared in fields(PrintSettings)} | _OWN,
+    },
+)
+
+
+def register() -> None:
+    """Give every object its settings."""
+    bpy.utils.register_class(DualColorProperties)
+    bpy.types.Object.dualcolor = bpy.props.PointerProperty(type=DualColorProperties)
+
+
+def unregister() -> None:
+    """Take them away."""
+    del bpy.types.Object.dualcolor
+    bpy.utils.unregister_class(DualColorProperties)

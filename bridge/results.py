@@ -1,0 +1,82 @@
+"""The finished prints of this session, so that an export need not compute again what has not changed."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import astuple, dataclass
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from ..core.model import SurfaceModel
+from ..core.settings import PrintSettings
+
+if TYPE_CHECKING:
+    from ..core.pipeline import DualColorPrint
+
+CAPACITY = 2
+"""A print of a million moves takes some 300 MB."""
+
+
+@dataclass(frozen=True)
+class _Kept:
+    digest: str
+    result: DualColorPrint
+
+
+_kept: dict[int, _Kept] = {}
+
+
+def keep(obj: bpy.types.Object, digest: str, result: DualColorPrint) -> None:
+    """Remember an object's print and what it was made from; the oldest beyond the capacity is forgotten."""
+    _kept.pop(obj.session_uid, None)
+    _kept[obj.session_uid] = _Kept(digest, result)
+    while len(_kept) > CAPACITY:
+        del _kept[next(iter(_kept))]
+
+
+def kept(obj: bpy.types.Object, digest: str) -> DualColorPrint | None:
+    """The object's print, if it was made from exactly this."""
+    found = _kept.get(obj.session_uid)
+    return found.result if found and found.digest == digest else None
+
+
+def forget_all() -> None:
+    """Free the memory; what is asked for later is computed again."""
+    _kept.clear()
+
+
+def digest_of(model: SurfaceModel, settings: PrintSettings) -> str:
+    """A fingerprint of all that a print is made from."""
+    found = hashlib.blake2b(repr((model.name, settings)).encode(), digest_size=16)
+    for array in _arrays(astuple(model)):
+        found.update(f"{array.dtype}{array.shape}".encode())
+        found.update(np.ascontiguousarray(array).data)
+    return found.hexdigest()
+
+
+def _arrays(parts: tuple[Any, ...]) -> list[np.ndarray]:
+    found = []
+    for part in parts:
+        if isinstance(part, np.ndarray):
+            found.append(part)
+        elif isinstance(part, tuple):
+            found += _arrays(part)
+    return found
+
+
+@bpy.app.handlers.persistent
+def _before_load(*_: Any) -> None:
+    forget_all()
+
+
+def register() -> None:
+    """Forget the prints of a file when another is opened."""
+    bpy.app.handlers.load_pre.append(_before_load)
+
+
+def unregister() -> None:
+    """Forget everything."""
+    bpy.app.handlers.load_pre.remove(_before_load)
+    forget_all()

@@ -1,0 +1,45 @@
+"""Export Replicator 2X G-code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy_extras.io_utils import ExportHelper
+
+from ..bridge.curves import source_of
+from ..bridge.properties import set_report
+from ..core.pipeline import export_gcode
+from .generate import has_printable, printed
+from .job import JobOperator, Steps
+
+
+class DUALCOLOR_OT_export_gcode(JobOperator, ExportHelper, bpy.types.Operator):
+    """Write the toolpath of the object as it is now, generated anew if anything has changed since the last time"""
+
+    bl_idname = "dualcolor.export_gcode"
+    bl_label = "Export Replicator 2X G-code"
+    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
+    filename_ext = ".gcode"
+    filter_glob: bpy.props.StringProperty(default="*.gcode", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """An object with a surface is needed."""
+        return has_printable(cls, context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask for the file; the job runs when it is chosen."""
+        if not self.filepath:
+            self.filepath = bpy.path.clean_name(source_of(context.object).name) + self.filename_ext
+        return ExportHelper.invoke(self, context, event)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """Print the active object unless that is done, and write the file."""
+        obj = source_of(context.object)
+        path = Path(bpy.path.abspath(self.filepath))
+        result = yield from printed(obj, context.evaluated_depsgraph_get(), reuse=True)
+        yield 0.97, "writing"
+        result = export_gcode(result, path)
+        set_report(obj.dualcolor, result.report)
+        return f"{path.name}: {result.report['gcode']['bytes'] / 1e6:.1f} MB"

@@ -1,0 +1,82 @@
+"""Generate Dual-Color Toolpath."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import bpy
+
+from ..bridge.curves import build_preview, source_of
+from ..bridge.mesh_input import WITH_SURFACE, surface_model
+from ..bridge.properties import set_report, to_settings
+from ..bridge.results import digest_of, keep, kept
+from ..core.pipeline import DualColorPrint, Progress, steps
+from .job import JobOperator, Steps
+
+_SHARE_OF_PIPELINE = 0.95
+
+
+def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether an object that can be printed, or the strands of one, is active; sets the poll message."""
+    obj = source_of(context.object)
+    if obj is None or obj.type not in WITH_SURFACE:
+        cls.poll_message_set("Select a mesh object first")
+        return False
+    return True
+
+
+def printed(
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, reuse: bool
+) -> Generator[Progress, None, DualColorPrint]:
+    """Print an object as it is now, show its strands and store its report; nothing is touched before the end.
+
+    Args:
+        obj: with its settings.
+        depsgraph: evaluated.
+        reuse: whether the last print will do if nothing has changed since.
+
+    Raises:
+        PrintError: it cannot be printed.
+    """
+    yield 0.0, "reading the object"
+    settings = to_settings(obj.dualcolor)
+    model = surface_model(obj, depsgraph, settings, obj.dualcolor.image)
+    digest = digest_of(model, settings)
+    result = kept(obj, digest) if reuse else None
+    if result is None:
+        result = yield from _scaled(steps(model, settings))
+        yield _SHARE_OF_PIPELINE, "strands"
+        build_preview(result, obj)
+        set_report(obj.dualcolor, result.report)
+        keep(obj, digest, result)
+    return result
+
+
+def _scaled(job: Generator[Progress, None, DualColorPrint]) -> Generator[Progress, None, DualColorPrint]:
+    while True:
+        try:
+            share, stage = next(job)
+        except StopIteration as finished:
+            return finished.value
+        yield share * _SHARE_OF_PIPELINE, stage
+
+
+class DUALCOLOR_OT_generate(JobOperator, bpy.types.Operator):
+    """Turn the object and its picture into a toolpath of black and white plastic, and show its strands"""
+
+    bl_idname = "dualcolor.generate"
+    bl_label = "Generate Dual-Color Toolpath"
+    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """An object with a surface is needed."""
+        return has_printable(cls, context)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """Print the active object."""
+        obj = source_of(context.object)
+        result = yield from printed(obj, context.evaluated_depsgraph_get(), reuse=False)
+        if result.warnings:
+            self.report({"WARNING"}, f"{len(result.warnings)} warnings, see the results in the sidebar")
+        return f"{obj.name}: {result.report['layers']} layers"

@@ -1,0 +1,114 @@
+"""Long jobs: written once as a generator, drained by a script, advanced by a timer under the user's eyes."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import bpy
+
+from ..core.errors import PrintError
+
+Steps = Generator[tuple[float, str], None, str]
+"""Yields (share done, what comes next), returns the message to report."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far the job that is running has come."""
+
+    share: float
+    stage: str
+
+
+class JobOperator:
+    """What operators with a long job have in common; the job itself is `steps`. It must write to the scene last."""
+
+    running: Progress | None = None
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """The job.
+
+        Raises:
+            PrintError: to be reported to the user; nothing has been written.
+        """
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Run the whole job at once, with the cursor as the only sign of progress."""
+        manager = context.window_manager
+        manager.progress_begin(0, 100)
+        try:
+            message = self._drained(self.steps(context), manager)
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        finally:
+            manager.progress_end()
+        self.report({"INFO"}, message)
+        return {"FINISHED"}
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Start the job and keep the window alive meanwhile."""
+        if JobOperator.running:
+            return {"CANCELLED"}
+        manager = context.window_manager
+        self._job = self.steps(context)
+        self._timer = manager.event_timer_add(0.02, window=context.window)
+        manager.progress_begin(0, 100)
+        manager.modal_handler_add(self)
+        self._show(context, 0.0, "starting")
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Advance the job by one step; Esc ends it, other input waits for its end."""
+        if event.type == "ESC":
+            self.cancel(context)
+            self.report({"INFO"}, "Cancelled, nothing was changed")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        outcome = {"CANCELLED"}
+        try:
+            self._show(context, *next(self._job))
+            outcome = {"RUNNING_MODAL"}
+        except StopIteration as finished:
+            self.report({"INFO"}, finished.value)
+            outcome = {"FINISHED"}
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+        finally:
+            if outcome != {"RUNNING_MODAL"}:
+                self.cancel(context)
+        return outcome
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Stop the job wherever it is; Blender calls this too when its window closes."""
+        self._job.close()
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+        JobOperator.running = None
+        _redraw_sidebars(context)
+
+    @staticmethod
+    def _drained(job: Steps, manager: bpy.types.WindowManager) -> str:
+        while True:
+            try:
+                manager.progress_update(100 * next(job)[0])
+            except StopIteration as finished:
+                return finished.value
+
+    @staticmethod
+    def _show(context: bpy.types.Context, share: float, stage: str) -> None:
+        JobOperator.running = Progress(share, stage)
+        context.window_manager.progress_update(100 * share)
+        context.workspace.status_text_set(f"Dual Color: {stage} ({share:.0%})    Esc: cancel")
+        _redraw_sidebars(context)
+
+
+def _redraw_sidebars(context: bpy.types.Context) -> None:
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()

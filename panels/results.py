@@ -1,0 +1,36 @@
+"""What a report says, in the words of the sidebar."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any
+
+_TOOL_SIDES = ("right", "left")
+
+
+def figures(report: dict[str, Any]) -> list[tuple[str, str]]:
+    """(label, value) of the figures that matter at a glance, from a job's report."""
+    low, high = report["bounds_mm"]
+    size = " × ".join(f"{end - start:.1f}" for start, end in zip(low, high, strict=True))
+    black = report["settings"]["black_tool"]
+    rows = [
+        ("Size", f"{size} mm"),
+        ("Layers", f"{report['layers']:,}"),
+        ("Time", duration(report["time_s"]["total"])),
+    ]
+    for tool in (0, 1):
+        length_m, mass_g = report["filament"][f"tool{tool}_mm"] / 1000, report["filament"][f"tool{tool}_g"]
+        colour = "Black" if tool == black else "White"
+        rows.append((f"{colour} ({_TOOL_SIDES[tool]})", f"{length_m:.2f} m, {mass_g:.1f} g"))
+    return rows
+
+
+def duration(seconds: float) -> str:
+    """Hours and minutes."""
+    minutes = round(seconds / 60)
+    return f"{minutes // 60} h {minutes % 60:02d} min" if minutes >= 60 else f"{minutes} min"
+
+
+def wrapped(text: str, width_px: float, scale: float) -> list[str]:
+    """A text as the lines that fit into a region of the sidebar."""
+    return textwrap.wrap(text, max(16, int(width_px / (7.0 * scale)) - 6))

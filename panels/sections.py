@@ -1,0 +1,114 @@
+"""Which settings stand under which heading of the sidebar, in their order. Every setting stands under exactly one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Section:
+    """A panel of the sidebar.
+
+    Attributes:
+        key: part of the panel's identifier.
+        title: the heading.
+        settings: names of the settings, from the top.
+        is_open: at first.
+    """
+
+    key: str
+    title: str
+    settings: tuple[str, ...]
+    is_open: bool = False
+
+
+TEXTURE = Section("texture", "Texture", ("background_tone", "texture_filter"), is_open=True)
+PATTERN = Section(
+    "pattern",
+    "Pattern",
+    (
+        "pattern",
+        "wavelength",
+        "wave_depth_max",
+        "wave_depth_min",
+        "offset_max",
+        "flat_layers",
+        "projection_threshold",
+        "relaxation",
+        "chord_tolerance",
+    ),
+    is_open=True,
+)
+SECTIONS = (
+    PATTERN,
+    Section(
+        "print",
+        "Print",
+        (
+            "layer_height",
+            "first_layer_height",
+            "extrusion_width",
+            "perimeters",
+            "bottom_solid_layers",
+            "top_solid_layers",
+            "infill_density",
+        ),
+        is_open=True,
+    ),
+    Section(
+        "detail",
+        "Slicing and Fill",
+        (
+            "center_on_bed",
+            "gap_closing_radius",
+            "infill_pattern",
+            "infill_angle",
+            "infill_overlap",
+            "outer_wall_first",
+            "seam_position",
+        ),
+    ),
+    Section(
+        "tower",
+        "Tower and Skirt",
+        ("tower_type", "tower_distance", "tower_width", "tower_depth", "skirts", "skirt_distance"),
+    ),
+    Section(
+        "speed",
+        "Speed",
+        (
+            "wave_speed",
+            "outline_speed",
+            "skin_speed",
+            "infill_speed",
+            "tower_speed",
+            "first_layer_speed",
+            "travel_speed",
+        ),
+    ),
+    Section(
+        "extrusion",
+        "Extrusion and Retraction",
+        (
+            "extrusion_multiplier",
+            "retract_length",
+            "retract_length_toolchange",
+            "retract_speed",
+            "retract_before_travel",
+            "z_hop",
+        ),
+    ),
+    Section(
+        "filament",
+        "Filament",
+        (
+            "black_tool",
+            "filament_diameter_0",
+            "filament_diameter_1",
+            "filament_density",
+            "nozzle_temperature_0",
+            "nozzle_temperature_1",
+            "bed_temperature",
+        ),
+    ),
+)

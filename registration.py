@@ -1,0 +1,38 @@
+"""All that the extension adds to Blender, and takes away again."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import cli
+from .bridge import properties, results
+from .operators.export import DUALCOLOR_OT_export_gcode
+from .operators.generate import DUALCOLOR_OT_generate
+from .operators.render import DUALCOLOR_OT_render_prediction
+from .panels.sidebar import PANELS
+
+CLASSES = (DUALCOLOR_OT_generate, DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_render_prediction, *PANELS)
+
+
+def register() -> None:
+    """Add the settings, the operators, the sidebar tab, the entry of the export menu and the command line."""
+    properties.register()
+    results.register()
+    for added in CLASSES:
+        bpy.utils.register_class(added)
+    bpy.types.TOPBAR_MT_file_export.append(_draw_export_entry)
+    cli.register_command()
+
+
+def unregister() -> None:
+    """Remove them in the reverse order."""
+    cli.unregister_command()
+    bpy.types.TOPBAR_MT_file_export.remove(_draw_export_entry)
+    for added in reversed(CLASSES):
+        bpy.utils.unregister_class(added)
+    results.unregister()
+    properties.unregister()
+
+
+def _draw_export_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    self.layout.operator(DUALCOLOR_OT_export_gcode.bl_idname, text="Dual-Color G-code (.gcode)")

@@ -1,0 +1,73 @@
+"""The properties of an object are the settings of the core: same names, defaults, limits, choices."""
+
+from dataclasses import fields
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+import dualcolor  # noqa: E402
+from dualcolor.bridge import properties  # noqa: E402
+from dualcolor.core.errors import SettingsError  # noqa: E402
+from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.panels.sections import SECTIONS, TEXTURE  # noqa: E402
+
+
+@pytest.fixture
+def group(scene):
+    dualcolor.register()
+    made = bpy.data.objects.new("Thing", None)
+    yield made.dualcolor
+    bpy.data.objects.remove(made)
+    dualcolor.unregister()
+
+
+def test_defaults_are_those_of_the_core(group):
+    assert properties.to_settings(group) == PrintSettings()
+
+
+@pytest.mark.parametrize("declared", fields(PrintSettings), ids=lambda declared: declared.name)
+def test_a_property_has_the_limits_and_words_of_its_setting(group, declared):
+    made, limits = group.bl_rna.properties[declared.name], declared.metadata
+    assert made.description == limits["description"]
+    if limits["choices"]:
+        assert tuple(item.identifier for item in made.enum_items) == limits["choices"]
+    elif limits["low"] is not None:
+        assert (made.hard_min, made.hard_max) == pytest.approx((limits["low"], limits["high"]))
+    kinds = {bool: "BOOLEAN", int: "INT", float: "FLOAT", str: "ENUM"}
+    assert made.type == kinds[type(declared.default)]
+    assert limits["unit"] in ("", "mm", "%") or f"({limits['unit']})" in made.name
+
+
+def test_settings_go_in_and_come_out_unchanged(group):
+    wanted = PrintSettings().changed(
+        {"layer_height": 0.2, "wave_depth_max": 0.7, "pattern": "wave", "perimeters": 3, "center_on_bed": False}
+    )
+    properties.from_settings(group, wanted)
+    assert properties.to_settings(group) == wanted
+
+
+@pytest.mark.parametrize("low_end", [True, False])
+def test_the_limits_themselves_are_allowed(group, low_end):
+    for declared in fields(PrintSettings):
+        if declared.metadata["low"] is not None and not declared.name.startswith("wave_depth"):
+            setattr(group, declared.name, declared.metadata["low" if low_end else "high"])
+    settings = properties.to_settings(group)
+    assert settings.layer_height == (0.05 if low_end else 0.5)
+
+
+def test_settings_at_odds_are_an_error(group):
+    group.wave_depth_min, group.wave_depth_max = 0.5, 0.4
+    with pytest.raises(SettingsError):
+        properties.to_settings(group)
+
+
+def test_a_report_is_stored_with_the_object(group):
+    assert properties.report_of(group) == {}
+    properties.set_report(group, {"layers": 7, "warnings": ["thin walls"]})
+    assert properties.report_of(group) == {"layers": 7, "warnings": ["thin walls"]}
+
+
+def test_every_setting_is_in_the_sidebar_once():
+    shown = [name for section in (TEXTURE, *SECTIONS) for name in section.settings]
+    assert sorted(shown) == sorted(declared.name for declared in fields(PrintSettings))
