@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .core.pipeline import DualColorPrint
 
 COMMAND = "dualcolor"
-DONE, USER_ERROR = 0, 1
+DONE, USER_ERROR, INTERRUPTED = 0, 1, 130
 OUTPUTS = ("gcode", "blend", "render", "report", "dump")
 
 SUFFIXES = {"blend": ".blend", "render": ".png", "dump": ".npz"}
@@ -43,11 +43,15 @@ def main(argv: Sequence[str]) -> int:
         return int(stop.code or DONE)
     try:
         settings = _settings(args.settings, dict(changes))
-        summary = _demo(args, settings) if args.command == "demo" else _print(args, settings)
+        paths = _outputs(args)
+        with OutputFiles(paths.values()) as files:
+            result = _demo(settings, paths, files) if args.command == "demo" else _print(args, settings, paths, files)
     except PrintError as problem:
         print("error:", " ".join(str(problem).split()), file=sys.stderr)
         return USER_ERROR
-    print(summary)
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    print(_summary(result, paths))
     return DONE
 
 
@@ -143,38 +147,46 @@ def _settings(path: Path | None, changes: dict[str, str]) -> PrintSettings:
     return PrintSettings().changed({**values, **changes})
 
 
-def _print(args: argparse.Namespace, settings: PrintSettings) -> str:
-    paths = {kind: getattr(args, kind) for kind in OUTPUTS if getattr(args, kind) is not None}
-    with OutputFiles(paths.values()) as files:
-        from .bridge.image_input import load_image
-        from .bridge.model_file import open_model
-        from .bridge.quiet import quiet_stdout
-        from .bridge.unwrap import unwrap
+def _outputs(args: argparse.Namespace) -> dict[str, Path]:
+    """The path of each kind of output that was asked for.
 
-        with quiet_stdout():
-            obj = open_model(args.model, args.object, args.up, args.height_mm)
-            if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
-                unwrap(obj, args.unwrap)
-            image = load_image(args.texture) if args.texture else None
-        return _produce(obj, image, settings, paths, files)
-
-
-def _demo(args: argparse.Namespace, settings: PrintSettings) -> str:
-    stem = args.out / "suzanne"
-    suffixes = {"gcode": ".gcode", "blend": ".blend", "render": ".png", "report": ".json"}
-    paths = {kind: stem.with_suffix(suffix) for kind, suffix in suffixes.items()}
+    Raises:
+        OutputError: the demo's folder cannot be made.
+    """
+    if args.command == "print":
+        return {kind: getattr(args, kind) for kind in OUTPUTS if getattr(args, kind) is not None}
     try:
         args.out.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
-    with OutputFiles(paths.values()) as files:
-        from .bridge.quiet import quiet_stdout
-        from .bridge.sample import make_sample
+    suffixes = {"gcode": ".gcode", "blend": ".blend", "render": ".png", "report": ".json"}
+    return {kind: args.out / f"suzanne{suffix}" for kind, suffix in suffixes.items()}
 
-        with quiet_stdout(), _Progress() as progress:
-            progress.show(0.0, "making the sample")
-            obj = make_sample()
-        return _produce(obj, None, settings, paths, files)
+
+def _print(
+    args: argparse.Namespace, settings: PrintSettings, paths: dict[str, Path], files: OutputFiles
+) -> DualColorPrint:
+    from .bridge.image_input import load_image
+    from .bridge.model_file import open_model
+    from .bridge.quiet import quiet_stdout
+    from .bridge.unwrap import unwrap
+
+    with quiet_stdout():
+        obj = open_model(args.model, args.object, args.up, args.height_mm)
+        if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
+            unwrap(obj, args.unwrap)
+        image = load_image(args.texture) if args.texture else None
+    return _produce(obj, image, settings, paths, files)
+
+
+def _demo(settings: PrintSettings, paths: dict[str, Path], files: OutputFiles) -> DualColorPrint:
+    from .bridge.quiet import quiet_stdout
+    from .bridge.sample import make_sample
+
+    with quiet_stdout(), _Progress() as progress:
+        progress.show(0.0, "making the sample")
+        obj = make_sample()
+    return _produce(obj, None, settings, paths, files)
 
 
 def _produce(
@@ -183,8 +195,8 @@ def _produce(
     settings: PrintSettings,
     paths: dict[str, Path],
     files: OutputFiles,
-) -> str:
-    """Compute the print of an object, then write what was asked for; returns the summary."""
+) -> DualColorPrint:
+    """Compute the print of an object, then write what was asked for."""
     import bpy
 
     from .bridge.mesh_input import surface_model
@@ -195,8 +207,7 @@ def _produce(
     with _Progress() as progress:
         result = pipeline.generate(model, settings, progress.show)
         with quiet_stdout():
-            result = _write(result, obj, paths, files, progress)
-    return _summary(result, paths)
+            return _write(result, obj, paths, files, progress)
 
 
 def _write(
@@ -253,7 +264,7 @@ def _summary(result: DualColorPrint, paths: dict[str, Path]) -> str:
         f"{result.name}: {size} mm, {report['layers']} layers, {report['tool_changes']} tool changes",
         f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
         f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
-        *(f"wrote {path} ({path.stat().st_size / 1e6:.1f} MB)" for path in paths.values() if path.exists()),
+        *(f"wrote {path} ({path.stat().st_size / 1e6:.1f} MB)" for path in paths.values()),
         *(f"warning: {warning}" for warning in result.warnings),
     ]
     return "\n".join(lines)
