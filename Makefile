@@ -1,0 +1,34 @@
+# make demo: the sample from nothing to G-code and pictures, in out/
+# make test: all checks and tests
+.DELETE_ON_ERROR:
+.PHONY: demo test environment lint clean
+
+VENV := .venv
+BIN := $(VENV)/bin
+OUT := out
+
+demo: environment
+	./dualcolor demo --out $(OUT)
+
+test: $(VENV)/.dev lint
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+environment: $(VENV)/.runtime
+
+$(VENV)/.runtime: requirements.txt
+	python=$$(PYTHON="$(PYTHON)" tools/find_python.sh) && "$$python" -m venv --clear $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
+	tools/check_bpy.sh $(BIN)/python
+	touch $@
+
+$(VENV)/.dev: $(VENV)/.runtime requirements-dev.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements-dev.txt
+	touch $@
+
+clean:
+	rm -rf $(VENV) $(OUT) dist
