@@ -1,0 +1,173 @@
+"""What the printer is told, before it becomes text or X3G: numbers of the lines, and the commands between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..printer import REPLICATOR_2X
+from ..settings import PrintSettings
+from ..toolpaths.moves import Feature, Moves
+from .numbers import COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
+from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The numbers of K lines `G1 X Y Z A|B F`; each line has at least one axis.
+
+    Attributes:
+        thousandths: (K, 3) int64, X, Y, Z in 0.001 mm.
+        written: (K, 3) bool, which of them the line names.
+        steps: (K,) int64, filament counter in 0.00001 mm.
+        feeds: (K,) bool, whether the line names the filament axis.
+        tool: (K,) int64.
+        feedrate: (K,) int64 mm/min.
+        hastens: (K,) bool, whether the line names the feedrate, which otherwise stays what it was.
+    """
+
+    thousandths: IntArray
+    written: BoolArray
+    steps: IntArray
+    feeds: BoolArray
+    tool: IntArray
+    feedrate: IntArray
+    hastens: BoolArray
+
+
+@dataclass(frozen=True)
+class Program:
+    """A print as commands: start, lines with other commands between them, end.
+
+    Attributes:
+        start: commands before the first line.
+        lines: one for each move that changes a number.
+        places: (I,) int64, ascending, the line before which each insertion stands.
+        insertions: comments, progress and tool changes.
+        end: commands after the last line.
+    """
+
+    start: list[str]
+    lines: Lines
+    places: IntArray
+    insertions: list[list[str]]
+    end: list[str]
+
+
+def program(moves: Moves, settings: PrintSettings) -> Program:
+    """Round the moves to the numbers of the file and put the commands around them.
+
+    Moves that would change no number of the line before (shorter than the file's resolution) get no line. A tool
+    that the moves first prime is left pulled back by that length after the start sequence.
+
+    Args:
+        moves: the print, at least one row.
+        settings: of the print.
+
+    Raises:
+        ValueError: no moves, or numbers that are not finite or too large for the file.
+    """
+    _check(moves)
+    start = _start(moves, settings)
+    counters, steps = _filament_steps(moves, start.counters)
+    lines, kept_before = _lines(moves, steps)
+    places, insertions = _insertions(moves, kept_before)
+    last_tool = int(moves.tool[-1])
+    return Program(start.lines, lines, places, insertions, end_sequence(settings, last_tool, counters[last_tool]))
+
+
+def _check(moves: Moves) -> None:
+    if not len(moves.tool):
+        raise ValueError("there are no moves to write")
+    for column in (moves.position, moves.filament, moves.speed):
+        if not np.isfinite(column).all():
+            raise ValueError("the moves hold a number that is not finite")
+    if np.abs(moves.position).max() * 1000 >= COORDINATE_LIMIT - 1:
+        raise ValueError("the moves leave the range of coordinates that the file can hold")
+
+
+def _start(moves: Moves, settings: PrintSettings) -> StartSequence:
+    first = int(moves.tool[0])
+    others = tuple(int(tool) for tool in np.unique(moves.tool) if tool != first)
+    extrudes = moves.extrudes
+    front = float(moves.position[extrudes, 1].min()) if extrudes.any() else 0.0
+    return start_sequence(settings, (*others, first), (_first_prime(moves, 0), _first_prime(moves, 1)), front)
+
+
+def _first_prime(moves: Moves, tool: int) -> float:
+    """Mm by which the moves expect the tool's filament to be pulled back before they first feed it."""
+    fed = np.flatnonzero((moves.tool == tool) & (moves.filament != 0))
+    if not len(fed) or moves.feature[fed[0]] != Feature.RETRACT:
+        return 0.0
+    return max(float(moves.filament[fed[0]]), 0.0)
+
+
+def _filament_steps(moves: Moves, begin: tuple[float, float]) -> tuple[list[float], IntArray]:
+    """Each tool's final counter in mm, and (M,) the active tool's counter in 0.00001 mm after each row."""
+    second = moves.tool == 1
+    totals = [begin[tool] + np.cumsum(np.where(second == bool(tool), moves.filament, 0.0)) for tool in (0, 1)]
+    steps = np.rint(np.where(second, totals[1], totals[0]) * 1e5).astype(np.int64)
+    if np.abs(steps).max() >= FILAMENT_LIMIT:
+        raise ValueError("the print needs more filament than the file's counters can hold")
+    return [float(total[-1]) for total in totals], steps
+
+
+def _after_break(tool: IntArray) -> BoolArray:
+    """(M,) rows before which other commands stand, so that nothing may be taken over from the row before."""
+    fresh = np.ones(len(tool), dtype=bool)
+    fresh[1:] = tool[1:] != tool[:-1]
+    return fresh
+
+
+def _lines(moves: Moves, steps: IntArray) -> tuple[Lines, IntArray]:
+    """The lines to write, and (M,) how many of them stand before each row."""
+    fresh = _after_break(moves.tool)
+    thousandths = np.rint(moves.position * 1000).astype(np.int64)
+    written = np.repeat(fresh[:, None], 3, axis=1)
+    written[1:] |= thousandths[1:] != thousandths[:-1]
+    feeds = moves.filament != 0
+    kept = written.any(axis=1) | feeds
+    kept_before = np.cumsum(kept) - kept
+    top_speed = REPLICATOR_2X.max_speed_mm_s[0]
+    feedrate = np.rint(np.minimum(moves.speed, top_speed) * 60).astype(np.int64).clip(1, FEEDRATE_LIMIT - 1)[kept]
+    changed = fresh[kept]
+    changed[1:] |= feedrate[1:] != feedrate[:-1]
+    lines = Lines(thousandths[kept], written[kept], steps[kept], feeds[kept], moves.tool[kept], feedrate, changed)
+    return lines, kept_before
+
+
+def _insertions(moves: Moves, kept_before: IntArray) -> tuple[IntArray, list[list[str]]]:
+    """What stands between the lines: a comment and the progress at each layer, the tool changes.
+
+    Returns:
+        (I,) int64 the line before which each insertion stands, ascending, and their lines.
+    """
+    layer_starts = np.ones(len(moves.layer), dtype=bool)
+    layer_starts[1:] = moves.layer[1:] != moves.layer[:-1]
+    tool_starts = _after_break(moves.tool)
+    tool_starts[0] = False
+    rows = np.flatnonzero(layer_starts | tool_starts)
+    progress = _progress(moves)[rows]
+    insertions = []
+    shown = 0
+    for row, percent in zip(rows.tolist(), progress.tolist(), strict=True):
+        lines = [f"; layer {moves.layer[row]}"] if layer_starts[row] else []
+        if layer_starts[row] and percent > shown:
+            lines.append(f"M73 P{percent}")
+            shown = percent
+        lines += tool_change_lines(int(moves.tool[row])) if tool_starts[row] else []
+        insertions.append(lines)
+    return kept_before[rows], insertions
+
+
+def _progress(moves: Moves) -> IntArray:
+    """(M,) share in % of the print's time that has passed before each row, 0 to 99; accelerations left out."""
+    way = np.zeros(len(moves.tool))
+    step = np.diff(moves.position, axis=0)
+    way[1:] = np.sqrt(np.einsum("ij,ij->i", step, step))
+    seconds: FloatArray = np.maximum(way, np.where(way == 0, np.abs(moves.filament), 0)) / np.maximum(moves.speed, 1e-3)
+    passed = np.cumsum(seconds) - seconds
+    total = passed[-1] + seconds[-1]
+    return (passed * (100 / total) if total > 0 else passed).astype(np.int64).clip(0, 99)
