@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..core.beads import Strands, strands
-from ..core.model import FloatArray, IntArray, TriangleMesh
+from ..core.model import BoolArray, FloatArray, IntArray, TriangleMesh
 from .mesh_input import evaluated_mesh
 from .plastics import plastic
 from .units import mm_per_unit
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 SOURCE_KEY = "dualcolor_source"
 STRANDS_KEY = "dualcolor_strands"
 _DISPLAY_KEY = "dualcolor_display"
-_RATIO_STEP = 1.1
+_RATIO_STEP = 1.5
 
 
 def build_preview(result: DualColorPrint, source: bpy.types.Object | None = None) -> bpy.types.Collection:
@@ -41,8 +41,8 @@ def build_preview(result: DualColorPrint, source: bpy.types.Object | None = None
     origin = _bed_origin(result.mesh, source, unit) if source else np.zeros(3)
     laid = strands(result.moves)
     new = [
-        _strand_object(f"{name} {colour}", laid.selected(chosen), ratio, unit, origin, colour)
-        for colour, chosen, ratio in _groups(laid, result.settings.black_tool)
+        _strand_object(kind, laid.selected(chosen), ratio, unit, origin)
+        for kind, chosen, ratio in _groups(laid, result.settings.black_tool)
     ]
     collection = preview_of(source) if source else bpy.data.collections.get(f"{name} Dual-Color")
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
@@ -126,28 +126,28 @@ def new_curves(
     return data
 
 
-def _groups(laid: Strands, black_tool: int) -> list[tuple[str, FloatArray, float]]:
-    """(colour, (K,) bool, height to width) of every object to make.
+def _groups(laid: Strands, black_tool: int) -> list[tuple[str, BoolArray, float]]:
+    """(colour, (K,) bool, height to width) of every object to make: one a filament where all lines are alike.
 
-    An object's scale warps all its rods to one oval, so strands are grouped by ratio, in steps of a tenth.
+    An object's scale warps all its rods to ovals of one height-to-width ratio. So much thinner lines, or a first layer
+    of another height, make objects of their own; smaller differences keep the area and give up the ratio.
     """
     if not len(laid):
         return []
-    mean_width = np.add.reduceat(laid.width, laid.start[:-1]) / np.diff(laid.start)
-    # Rounded first, so that equal widths whose mean differs in the last bit cannot fall on two sides of a step.
-    ratio = np.round(laid.height / mean_width, 6)
-    step = np.round(np.log(ratio) / np.log(_RATIO_STEP))
+    counts = np.diff(laid.start)
+    ratio = laid.height / (np.add.reduceat(laid.width, laid.start[:-1]) / counts)
+    usual = float(np.median(np.repeat(ratio, counts)))
+    step = np.round(np.log(ratio / usual) / np.log(_RATIO_STEP))
     groups = []
     for colour, tool in (("Black", black_tool), ("White", 1 - black_tool)):
-        for value in np.unique(step[laid.tool == tool]):
+        for value in sorted(np.unique(step[laid.tool == tool]), key=abs):
             chosen = (laid.tool == tool) & (step == value)
-            groups.append((colour, chosen, float(np.median(ratio[chosen]))))
+            centre = usual if value == 0 else float(np.median(ratio[chosen]))
+            groups.append((colour if value == 0 else f"{colour} {centre:.2f}", chosen, centre))
     return groups
 
 
-def _strand_object(
-    name: str, laid: Strands, ratio: float, unit: float, origin: FloatArray, colour: str
-) -> bpy.types.Object:
+def _strand_object(kind: str, laid: Strands, ratio: float, unit: float, origin: FloatArray) -> bpy.types.Object:
     """Strands as an object that is not linked to any collection yet; its scale in z makes the rods oval.
 
     With z scaled by the ratio a rod of radius r becomes an oval of area π·r²·ratio, which must be width × height.
@@ -155,12 +155,12 @@ def _strand_object(
     counts = np.diff(laid.start)
     radius = np.sqrt(laid.width * np.repeat(laid.height, counts) / (np.pi * ratio)) / unit
     points = laid.points / (unit, unit, unit * ratio)
-    data = new_curves(name, points, counts, radius, {"layer": laid.layer, "feature": laid.feature})
-    data.materials.append(plastic(colour))
-    made = bpy.data.objects.new(name, data)
+    data = new_curves(kind, points, counts, radius, {"layer": laid.layer, "feature": laid.feature})
+    data.materials.append(plastic(kind.split()[0]))
+    made = bpy.data.objects.new(kind, data)
     made.location = origin / unit
     made.scale = (1.0, 1.0, ratio)
-    made[STRANDS_KEY] = colour
+    made[STRANDS_KEY] = kind
     return made
 
 

@@ -36,7 +36,7 @@ class DUALCOLOR_PT_main(_Tab, bpy.types.Panel):
             layout.label(text="Select a mesh object", icon="INFO")
             return
         layout.label(text=obj.name, icon="OBJECT_DATA")
-        layout.template_ID(obj.dualcolor, "image", open="image.open")
+        layout.template_ID(obj.dualcolor, "image", open="image.open", text="Image")
         _draw_settings(layout, obj, TEXTURE)
         buttons = layout.column(align=True)
         buttons.scale_y = 1.4
@@ -64,7 +64,7 @@ class DUALCOLOR_PT_results(_ObjectPanel, bpy.types.Panel):
     """What the last job found."""
 
     bl_label = "Results"
-    bl_order = len(SECTIONS)
+    bl_order = 0
 
     def draw(self, context: bpy.types.Context) -> None:
         """Figures, then warnings."""
@@ -94,9 +94,13 @@ def _draw_warning(layout: bpy.types.UILayout, lines: list[str]) -> None:
 
 def _draw_settings(layout: bpy.types.UILayout, obj: bpy.types.Object, section: Section) -> None:
     column = layout.column()
-    column.use_property_split, column.use_property_decorate = True, False
     for name in section.settings:
-        column.prop(obj.dualcolor, name)
+        if obj.dualcolor.bl_rna.properties[name].type != "ENUM":
+            column.prop(obj.dualcolor, name)
+            continue
+        row = column.split(factor=0.4)  # numbers have their names inside the field, choices beside it
+        row.label(text=obj.dualcolor.bl_rna.properties[name].name)
+        row.prop(obj.dualcolor, name, text="")
 
 
 def _section_panel(section: Section, order: int) -> type[bpy.types.Panel]:
@@ -119,6 +123,6 @@ def _section_panel(section: Section, order: int) -> type[bpy.types.Panel]:
 
 PANELS = (
     DUALCOLOR_PT_main,
-    *(_section_panel(section, order) for order, section in enumerate(SECTIONS)),
+    *(_section_panel(section, order) for order, section in enumerate(SECTIONS, start=1)),
     DUALCOLOR_PT_results,
 )
