@@ -14,34 +14,35 @@ class PointGrid:
     def __init__(self, points: FloatArray, layer: IntArray, cell: float) -> None:
         """Sort (N, 2) points with their layers (N,) into cells of `cell` mm."""
         self.cell = cell
-        self.low = points.min(axis=0, initial=0.0) - 2 * cell
-        self.size = np.ceil((points.max(axis=0, initial=0.0) - self.low) / cell).astype(np.int64) + 3
+        self.low = points.min(axis=0, initial=0.0) - 3 * cell
+        self.size = np.ceil((points.max(axis=0, initial=0.0) - self.low) / cell).astype(np.int64) + 4
         key = self._key(self._column(points), layer)
         self.order = np.argsort(key, kind="stable")
         self.keys = key[self.order]
 
     def _column(self, points: FloatArray) -> IntArray:
         cell = np.floor((points - self.low) / self.cell).astype(np.int64)
-        return np.asarray(np.clip(cell, 1, self.size - 2))
+        return np.asarray(np.clip(cell, 2, self.size - 3))
 
     def _key(self, column: IntArray, layer: IntArray) -> IntArray:
         return np.asarray((layer * self.size[1] + column[:, 1]) * self.size[0] + column[:, 0])
 
-    def candidates(self, query: FloatArray, layer: IntArray) -> tuple[IntArray, IntArray]:
-        """All points in the three by three cells around each query point.
+    def candidates(self, query: FloatArray, layer: IntArray, rings: int = 1) -> tuple[IntArray, IntArray]:
+        """All points in the cells around each query point: those nearer than `rings` cells, and some more.
 
         Args:
             query: (Q, 2) mm.
             layer: (Q,) the layer to look in.
+            rings: how many cells to go in all directions, 1 or 2.
 
         Returns:
             (C,) indices of points, grouped by query, and (Q + 1,) where each query's group starts.
         """
         key = self._key(self._column(query), layer)
-        # A row of three cells is one run of the sorted keys.
-        row = key[:, None] + np.array([-1, 0, 1]) * self.size[0]
-        first = np.searchsorted(self.keys, row - 1, side="left")
-        count = np.searchsorted(self.keys, row + 1, side="right") - first
+        # The cells of a row are one run of the sorted keys.
+        row = key[:, None] + np.arange(-rings, rings + 1) * self.size[0]
+        first = np.searchsorted(self.keys, row - rings, side="left")
+        count = np.searchsorted(self.keys, row + rings, side="right") - first
         found = self.order[ranges(first.ravel(), count.ravel())]
         return found, starts(count.sum(axis=1))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from .contours import Contours
-from .sampling import Projector, Samples, _points_at
+from .sampling import Projector, Samples
 from .wave import places
 
 # Distance between the probes, mm; the paper's 133,539 probes on LucyCat lie about 0.25 mm apart.
@@ -73,7 +73,7 @@ def seam_errors(lines: Contours, samples: Samples, projector: Projector) -> Seam
     layers = int(lines.layer.max(initial=0))
     use: IntArray = np.flatnonzero((np.diff(samples.start)[loop] > 0) & (lines.layer[loop] < layers))
     arc, loop = arc[use], loop[use]
-    above, distance = projector.project(_points_at(lines, arc), lines.layer[loop] + 1)
+    above, distance = projector.project(projector.at(arc), lines.layer[loop] + 1)
     found = np.isfinite(distance)
     error = np.full(len(arc), np.nan)
     error[found] = (phase_at(lines, samples, arc[found]) - phase_at(lines, samples, above[found])) ** 2

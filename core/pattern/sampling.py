@@ -9,6 +9,7 @@ import numpy as np
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import following, ranges, starts
+from .chunks import in_chunks
 from .contours import Contours, long_enough, on_loop
 from .grid import PointGrid, nearest
 
@@ -32,7 +33,7 @@ class Samples:
 
     def spacing(self, lines: Contours) -> FloatArray:
         """(S,) mm along the contour from each sample to the next one of its loop."""
-        return _spacing(self.arc - lines.arc_start[self.loop], self.start, lines.length)
+        return _gaps(self.arc - lines.arc_start[self.loop], self.loop, lines.length)[0]
 
 
 class Projector:
@@ -43,12 +44,21 @@ class Projector:
         self.lines = lines
         self.threshold = threshold
         step = lines.length / np.maximum(np.diff(lines.start), 1)
-        # A place lies at most half a step from a point, so that the cell has to be that much larger.
+        # A place lies at most half a step from a point, so that the search has to go that much farther.
         self.loop = lines.loop
-        self.grid = PointGrid(lines.points, lines.layer[self.loop], threshold + float(step.max(initial=0.0)) / 2)
-        self.ahead = following(lines.start)
-        self.behind = np.empty_like(self.ahead)
-        self.behind[self.ahead] = np.arange(len(self.ahead))
+        reach = threshold + float(step.max(initial=0.0)) / 2
+        self.grid = PointGrid(lines.points, lines.layer[self.loop], reach / 2)
+        ahead = following(lines.start)
+        self.behind = np.empty_like(ahead)
+        self.behind[ahead] = np.arange(len(ahead))
+        self.along = lines.points[ahead] - lines.points
+        self.length = np.maximum(np.hypot(self.along[:, 0], self.along[:, 1]), 1e-9)
+
+    def at(self, arc: FloatArray) -> FloatArray:
+        """(Q, 2) mm, the points at places (Q,) on the contours."""
+        before = np.searchsorted(self.lines.arc, arc, side="right") - 1
+        share = np.minimum((arc - self.lines.arc[before]) / self.length[before], 1.0)
+        return np.asarray(self.lines.points[before] + share[:, None] * self.along[before])
 
     def project(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, FloatArray]:
         """Nearest place on the contours of `layer` (Q,) for each query point (Q, 2).
@@ -56,28 +66,51 @@ class Projector:
         Returns:
             (Q,) arc and (Q,) distance in mm, infinite where nothing lies within the threshold.
         """
-        found, group = self.grid.candidates(query, layer)
-        this = np.repeat(np.arange(len(query)), np.diff(group))
-        away = self.lines.points[found] - query[this]
-        where, filled = nearest(away[:, 0] ** 2 + away[:, 1] ** 2, group)
+        return in_chunks(self._project, query, layer)
+
+    def _project(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, FloatArray]:
+        point, asked = self._nearest_points(query, layer)
         arc, distance = np.zeros(len(query)), np.full(len(query), np.inf)
-        point = found[where[filled]] if len(found) else np.zeros(0, dtype=np.int64)
-        for first in (point, self.behind[point]):
-            place, gap = self._on_segment(query[filled], first)
-            closer = gap < distance[filled]
-            arc[filled] = np.where(closer, place, arc[filled])
-            distance[filled] = np.minimum(gap, distance[filled])
+        if len(asked):
+            # The nearest place is on one of the two segments that meet in the nearest point.
+            first = np.stack([point, self.behind[point]])
+            place, gap = self._on_segments(query[asked], first)
+            nearer = (gap[1] < gap[0]).astype(np.int64)
+            row = np.arange(len(asked))
+            arc[asked], distance[asked] = place[nearer, row], gap[nearer, row]
         distance[distance > self.threshold] = np.inf
         return arc, distance
 
-    def _on_segment(self, query: FloatArray, first: IntArray) -> tuple[FloatArray, FloatArray]:
-        tail, head = self.lines.points[first], self.lines.points[self.ahead[first]]
-        along = head - tail
-        length2 = np.maximum((along**2).sum(axis=1), 1e-18)
-        share = np.clip(((query - tail) * along).sum(axis=1) / length2, 0, 1)
-        away = tail + share[:, None] * along - query
-        arc = self.lines.arc[first] + share * np.sqrt(length2)
-        return on_loop(arc, self.loop[first], self.lines.arc_start), np.hypot(away[:, 0], away[:, 1])
+    def _nearest_points(self, query: FloatArray, layer: IntArray) -> tuple[IntArray, IntArray]:
+        """The nearest contour point of queries that have any within reach, and which queries these are."""
+        point, squared = self._least(query, layer, 1)
+        # What is nearer than a cell is certain; the others have to look one cell farther.
+        again = np.flatnonzero(squared > self.grid.cell**2)
+        if len(again):
+            point[again], squared[again] = self._least(query[again], layer[again], 2)
+        asked = np.flatnonzero(np.isfinite(squared))
+        return point[asked], asked
+
+    def _least(self, query: FloatArray, layer: IntArray, rings: int) -> tuple[IntArray, FloatArray]:
+        """Nearest of the candidates and its squared distance; infinite where there is none."""
+        found, group = self.grid.candidates(query, layer, rings)
+        squared = np.full(len(query), np.inf)
+        if len(found) == 0:
+            return np.zeros(len(query), dtype=np.int64), squared
+        away = self.lines.points[found] - np.repeat(query, np.diff(group), axis=0)
+        distance = np.einsum("ij,ij->i", away, away)
+        where, filled = nearest(distance, group)
+        squared[filled] = distance[where[filled]]
+        return found[where], squared
+
+    def _on_segments(self, query: FloatArray, first: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Nearest places on segments (2, Q), and how far they are."""
+        tail, along, length = self.lines.points[first], self.along[first], self.length[first]
+        away = query - tail
+        share = np.clip(np.einsum("...i,...i", away, along) / length**2, 0.0, 1.0)
+        away -= share[..., None] * along
+        arc = on_loop(self.lines.arc[first] + share * length, self.loop[first], self.lines.arc_start)
+        return arc, np.hypot(away[..., 0], away[..., 1])
 
 
 def sample(lines: Contours, projector: Projector, settings: PrintSettings) -> Samples:
@@ -98,7 +131,7 @@ def sample(lines: Contours, projector: Projector, settings: PrintSettings) -> Sa
     for layer in range(layers):
         loops = slice(first_loop[layer], first_loop[layer + 1])
         if len(arc):
-            place, distance = projector.project(_points_at(lines, arc), np.full(len(arc), layer))
+            place, distance = projector.project(projector.at(arc), np.full(len(arc), layer))
             arc = place[np.isfinite(distance)]
         arc = _settled(arc, lines.arc_start[loops.start : loops.stop + 1], usable[loops], settings)
         parts.append(arc)
@@ -107,22 +140,19 @@ def sample(lines: Contours, projector: Projector, settings: PrintSettings) -> Sa
     return Samples(every, loop, starts(np.bincount(loop, minlength=len(lines.layer))))
 
 
-def _points_at(lines: Contours, arc: FloatArray) -> FloatArray:
-    before, after, share = lines.locate(arc)
-    return np.asarray(lines.points[before] + share[:, None] * (lines.points[after] - lines.points[before]))
-
-
 def _settled(arc: FloatArray, arc_start: FloatArray, usable: BoolArray, settings: PrintSettings) -> FloatArray:
     """Relax, prune, fill and relax again the samples of one layer; `arc_start` is that of its loops and their end."""
-    length = np.diff(arc_start)
-    loop = np.clip(np.searchsorted(arc_start, arc, side="right") - 1, 0, max(len(length) - 1, 0))
-    keep = usable[loop] if len(length) else np.zeros(len(arc), dtype=bool)
-    loop = loop[keep]
-    local = np.mod(arc[keep] - arc_start[loop], length[loop])
-    local, loop = _sorted(local, loop)
-    local, loop = _relaxed(local, loop, length, settings.relaxation)
-    local, loop = _pruned(local, loop, length, settings.wavelength)
-    local, loop = _filled(local, loop, length, usable, settings.wavelength)
+    length, least = np.diff(arc_start), settings.wavelength
+    arc = np.sort(arc)
+    loop = np.searchsorted(arc_start, arc, side="right") - 1
+    if not usable.all():
+        keep = usable[loop] if len(length) else np.zeros(len(arc), dtype=bool)
+        arc, loop = arc[keep], loop[keep]
+    local, loop = _relaxed(arc - arc_start[loop], loop, length, settings.relaxation)
+    ahead, _ = _gaps(local, loop, length)
+    if len(ahead) and ahead.min() < least - SLACK:
+        local, loop = _pruned(local, loop, length, least)
+    local, loop = _filled(local, loop, length, usable, least)
     local, loop = _relaxed(local, loop, length, settings.relaxation)
     return np.sort(on_loop(arc_start[loop] + local, loop, arc_start))
 
@@ -132,13 +162,16 @@ def _sorted(local: FloatArray, loop: IntArray) -> tuple[FloatArray, IntArray]:
     return local[order], loop[order]
 
 
-def _spacing(local: FloatArray, start: IntArray, length: FloatArray) -> FloatArray:
-    """Distance from each sample to the next one around its loop."""
-    ahead = following(start)
-    loop = np.repeat(np.arange(len(length)), np.diff(start))
-    gap = local[ahead] - local
-    wraps = ahead <= np.arange(len(ahead))
-    return np.where(wraps, gap + length[loop], gap)
+def _gaps(local: FloatArray, loop: IntArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distance from each sample to the next one around its loop and to the one before; samples come in order."""
+    last = np.flatnonzero(np.append(loop[1:] != loop[:-1], len(loop) > 0))
+    first = np.append(0, last[:-1] + 1)[: len(last)]
+    ahead, behind = np.empty(len(local)), np.empty(len(local))
+    np.subtract(local[1:], local[:-1], out=ahead[:-1])
+    ahead[last] = local[first] + length[loop[last]] - local[last]
+    behind[1:] = ahead[:-1]
+    behind[first] = ahead[last]
+    return ahead, behind
 
 
 def _relaxed(local: FloatArray, loop: IntArray, length: FloatArray, share: float) -> tuple[FloatArray, IntArray]:
@@ -146,14 +179,12 @@ def _relaxed(local: FloatArray, loop: IntArray, length: FloatArray, share: float
 
     Spacings become weighted means of neighbouring spacings, so bounds that all of them keep stay kept.
     """
-    if len(local) == 0:
-        return local, loop
-    start = starts(np.bincount(loop, minlength=len(length)))
-    gap = _spacing(local, start, length)
-    before = np.empty_like(gap)
-    before[following(start)] = gap
-    moved = np.mod(local + share * (gap - before) / 2, length[loop])
-    return _sorted(moved, loop)
+    ahead, behind = _gaps(local, loop, length)
+    moved = local + share * (ahead - behind) / 2
+    around = length[loop]
+    if ((moved < 0) | (moved >= around)).any():
+        return _sorted(np.mod(moved, around), loop)
+    return moved, loop
 
 
 def _pruned(local: FloatArray, loop: IntArray, length: FloatArray, least: float) -> tuple[FloatArray, IntArray]:
@@ -163,17 +194,17 @@ def _pruned(local: FloatArray, loop: IntArray, length: FloatArray, least: float)
     the shorter gap.
     """
     while True:
+        gap, before = _gaps(local, loop, length)
         start = starts(np.bincount(loop, minlength=len(length)))
-        gap = _spacing(local, start, length)
-        ahead = following(start)
         many = np.diff(start)[loop] > 1
         short = (gap < least - SLACK) & many
         if not short.any():
             return local, loop
+        ahead = following(start)
         behind = np.empty_like(ahead)
         behind[ahead] = np.arange(len(ahead))
         chosen = short & _comes_first(gap, ahead) & _comes_first(gap, behind)
-        doomed = np.where(gap[behind] <= gap[ahead], np.arange(len(gap)), ahead)[chosen]
+        doomed = np.where(before <= gap[ahead], np.arange(len(gap)), ahead)[chosen]
         keep = np.ones(len(gap), dtype=bool)
         keep[doomed] = False
         local, loop = local[keep], loop[keep]
@@ -188,9 +219,12 @@ def _filled(
     local: FloatArray, loop: IntArray, length: FloatArray, usable: BoolArray, least: float
 ) -> tuple[FloatArray, IntArray]:
     """Insert evenly spaced samples into gaps of twice `least` and more, and start empty loops."""
-    count = np.bincount(loop, minlength=len(length))
-    empty = np.flatnonzero((count == 0) & usable)
-    gap = _spacing(local, starts(count), length)
+    gap, _ = _gaps(local, loop, length)
+    has = np.zeros(len(length), dtype=bool)
+    has[loop] = True
+    empty = np.flatnonzero(usable & ~has)
+    if not len(empty) and (gap < 2 * least - SLACK).all():
+        return local, loop
     # An empty loop is one gap of its whole length that has a sample at its beginning.
     begin = np.concatenate([local, np.zeros(len(empty))])
     loop = np.concatenate([loop, empty])

@@ -1,0 +1,35 @@
+"""Run numpy over parts of long arrays in threads: it releases the interpreter lock, and a part stays in the cache."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+CHUNK_ROWS = 1 << 14
+
+
+def in_chunks(
+    function: Callable[..., tuple[NDArray[Any], ...]], *columns: NDArray[Any], rows: int = CHUNK_ROWS
+) -> tuple[NDArray[Any], ...]:
+    """Apply a function to equal slices of several arrays in threads and put its results together again.
+
+    Args:
+        function: from slices of the columns to a tuple of arrays, whose rows must not depend on other slices.
+        columns: arrays of one length.
+        rows: of a slice, at most about this many.
+
+    Returns:
+        The tuple that `function(*columns)` would have given.
+    """
+    parts = -(-len(columns[0]) // rows)
+    if parts <= 1:
+        return function(*columns)
+    pieces = zip(*(np.array_split(column, parts) for column in columns), strict=True)
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        results = list(pool.map(lambda piece: function(*piece), pieces))
+    return tuple(np.concatenate(part) for part in zip(*results, strict=True))
