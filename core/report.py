@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import resource
 import sys
 from dataclasses import dataclass, field
 from time import perf_counter
@@ -31,7 +30,11 @@ class StageClock:
 
 
 def peak_rss_mb() -> float:
-    """Most memory that the process has held so far, MB."""
+    """Most memory that the process has held so far, MB; 0 where the system does not tell (Windows)."""
+    if sys.platform == "win32":
+        return 0.0
+    import resource
+
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (1024 * 1024 if sys.platform == "darwin" else 1024)
 
