@@ -100,7 +100,9 @@ def _check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> Non
     sizes = f"{' × '.join(_length(side) for side in size)} mm"
     room = " × ".join(_length(side) for side in REACH[1] - REACH[0])
     if (size > REACH[1] - REACH[0] + _REACH_TOLERANCE_MM).any():
-        raise MeshError(f"{name} is {sizes}, larger than the {room} mm that can be printed", "check its scale and unit")
+        turned = (size[[1, 0, 2]] <= REACH[1] - REACH[0]).all()
+        hint = "turn it by 90° about the vertical axis" if turned else "check its scale and unit"
+        raise MeshError(f"{name} is {sizes}, larger than the {room} mm that can be printed", hint)
     if size.max() < 1.0:
         raise MeshError(f"{name} is only {sizes}", "check its scale and unit: sizes are taken as millimetres")
     if size[2] <= settings.first_layer_height / 2:
