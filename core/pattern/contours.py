@@ -67,10 +67,16 @@ class Contours:
         """(N,) the loop of each point."""
         return np.repeat(np.arange(len(self.layer)), np.diff(self.start))
 
-    def locate(self, arc: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
-        """Where places lie: index of the point before, of the point after, and the share of the way between them."""
+    def locate(self, arc: FloatArray, loop: IntArray | None = None) -> tuple[IntArray, IntArray, FloatArray]:
+        """Where places lie: index of the point before, of the point after, and the share of the way between them.
+
+        Args:
+            arc: (Q,) mm.
+            loop: (Q,) the loop of each, if that is known already.
+        """
         before = np.clip(np.searchsorted(self.arc, arc, side="right") - 1, 0, len(self.arc) - 1)
-        loop = np.searchsorted(self.start, before, side="right") - 1
+        if loop is None:
+            loop = np.searchsorted(self.start, before, side="right") - 1
         is_last = before + 1 == self.start[loop + 1]
         after = np.where(is_last, self.start[loop], before + 1)
         end = np.where(is_last, self.arc_start[loop + 1], self.arc[np.minimum(before + 1, len(self.arc) - 1)])

@@ -66,7 +66,8 @@ class Projector:
         Returns:
             (Q,) arc and (Q,) distance in mm, infinite where nothing lies within the threshold.
         """
-        return in_chunks(self._project, query, layer)
+        arc, distance = in_chunks(self._project, query, layer)
+        return arc, distance
 
     def _project(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, FloatArray]:
         point, asked = self._nearest_points(query, layer)

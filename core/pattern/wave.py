@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
+from .chunks import in_chunks
 from .contours import POINTS_PER_WAVELENGTH, Contours, filtered
 from .modulation import faded, layer_is_black, layer_sign, shape
 from .sampling import Samples
 
 # The tolerance is shared between the even sampling of the sine and the removal of points that change nothing.
 SAMPLING_SHARE = 0.35
+# So many spans, about 25 points each, are tessellated at a time: their arrays stay in the cache.
+SPANS_AT_ONCE = 1 << 10
 
 
 @dataclass(frozen=True)
@@ -106,37 +111,53 @@ def waved(
     """
     pieces = spans(lines, samples)
     count = _points_of(pieces, lines, depth, settings)
-    piece = np.repeat(np.arange(len(count)), count + 1)
-    share = (np.arange(len(piece)) - np.repeat(starts(count + 1)[:-1], count + 1)) / np.maximum(count[piece], 1)
-    loop = pieces.loop[piece]
-    local = pieces.arc[piece] - lines.arc_start[loop] + share * pieces.length[piece]
-    before, after, weight = lines.locate(lines.arc_start[loop] + np.mod(local, lines.length[loop]))
+    layer = lines.layer
+    # One row a contour point, so that all of it comes with one access to memory.
+    table = np.column_stack([lines.points, lines.normal, depth, set_back, tone, lines.width])
+    tolerance = settings.chord_tolerance * (1 - SAMPLING_SHARE)
 
-    def at(values: FloatArray) -> FloatArray:
-        part = weight if values.ndim == 1 else weight[:, None]
-        return np.asarray(values[before] + part * (values[after] - values[before]))
+    def chunk(piece: IntArray) -> tuple[NDArray[Any], ...]:
+        row, share, before, after, weight = _along(pieces, lines, piece, count[piece])
+        value = table[before]
+        value += weight[:, None] * (table[after] - value)
+        phase = np.where(pieces.waves[row], np.cos(2 * np.pi * share), 0.0)
+        moved = layer_sign(layer[pieces.loop[row]]) * phase * value[:, 4] / 2 - value[:, 5]
+        points = value[:, :2] + value[:, 2:4] * moved[:, None]
+        keep = _within_tolerance(points, row - piece[0], tolerance)
+        # The last point of a span is the first one of the next.
+        keep[:-1] &= row[1:] == row[:-1]
+        keep[-1] = False
+        nearest = np.where(weight[keep] < 0.5, before[keep], after[keep])
+        return points[keep], value[keep], phase[keep], pieces.loop[row[keep]], lines.carried[nearest, :2]
 
-    phase = np.where(pieces.waves[piece], np.cos(2 * np.pi * share), 0.0)
-    depths, set_backs, base = at(depth), at(set_back), at(lines.points)
-    moved = layer_sign(lines.layer[loop]) * phase * depths / 2 - set_backs
-    points = base + at(lines.normal) * moved[:, None]
-    keep = _within_tolerance(points, piece, settings.chord_tolerance * (1 - SAMPLING_SHARE))
-    # The last point of a span is the first one of the next.
-    keep &= np.append(piece[1:] == piece[:-1], False)
-    nearest = np.where(weight < 0.5, before, after)
+    points, value, phase, loop, uv = in_chunks(chunk, np.arange(len(count)), rows=SPANS_AT_ONCE)
     return WavedOutlines(
-        base=base[keep],
-        points=points[keep],
-        start=starts(np.bincount(loop[keep], minlength=len(lines.layer))),
-        layer=lines.layer,
+        base=value[:, :2].copy(),
+        points=points,
+        start=starts(np.bincount(loop, minlength=len(layer))),
+        layer=layer,
         polygon=lines.polygon,
-        phase=phase[keep],
-        depth=depths[keep],
-        set_back=set_backs[keep],
-        tone=at(tone)[keep],
-        uv=lines.carried[nearest[keep], :2],
-        width=at(lines.width)[keep],
+        phase=phase,
+        depth=value[:, 4].copy(),
+        set_back=value[:, 5].copy(),
+        tone=value[:, 6].copy(),
+        uv=uv,
+        width=value[:, 7].copy(),
     )
+
+
+def _along(
+    pieces: Spans, lines: Contours, piece: IntArray, count: IntArray
+) -> tuple[IntArray, FloatArray, IntArray, IntArray, FloatArray]:
+    """Evenly spaced places from the beginning to the end of spans: the span, the share of it, and where that lies."""
+    row = np.repeat(piece, count + 1)
+    step = ranges(np.zeros(len(piece), dtype=np.int64), count + 1)
+    share = step / np.repeat(np.maximum(count, 1), count + 1)
+    loop = pieces.loop[row]
+    arc = pieces.arc[row] + share * pieces.length[row]
+    begin, end = lines.arc_start[loop], lines.arc_start[loop + 1]
+    arc = np.where(arc >= end, np.maximum(arc - (end - begin), begin), arc)
+    return row, share, *lines.locate(arc, loop)
 
 
 def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: PrintSettings) -> IntArray:
