@@ -264,10 +264,14 @@ def _summary(result: DualColorPrint, paths: dict[str, Path]) -> str:
         f"{result.name}: {size} mm, {report['layers']} layers, {report['tool_changes']} tool changes",
         f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
         f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
-        *(f"wrote {path} ({path.stat().st_size / 1e6:.1f} MB)" for path in paths.values()),
+        *(f"wrote {path} ({_size(path.stat().st_size)})" for path in paths.values()),
         *(f"warning: {warning}" for warning in result.warnings),
     ]
     return "\n".join(lines)
+
+
+def _size(count: int) -> str:
+    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
 
 
 class _Progress:

@@ -35,7 +35,8 @@ def base_colour(material: bpy.types.Material | None) -> BaseColour:
     """
     if material is None:
         return BaseColour()
-    tree = material.node_tree
+    without_nodes = bpy.app.version < (5, 0) and not material.use_nodes
+    tree = None if without_nodes else material.node_tree
     output = tree.get_output_node("ALL") if tree else None
     if output is None:
         return BaseColour(colour=tuple(material.diffuse_color))

@@ -79,7 +79,8 @@ def _turn(kind: str, up: str) -> Matrix:
     upright = "y" if kind in (".glb", ".gltf") else "z"
     if up == upright:
         return Matrix()
-    return Matrix.Rotation(math.radians(90.0 if up == "y" else -90.0), 4, "X")
+    sine = 1.0 if up == "y" else -1.0  # written out, for a cosine of 90° is not quite zero
+    return Matrix(((1, 0, 0, 0), (0, 0, -sine, 0), (0, sine, 0, 0), (0, 0, 0, 1)))
 
 
 def _chosen_objects(path: Path, name: str, joined: bool) -> list[bpy.types.Object]:
@@ -121,8 +122,9 @@ def _baked(sources: list[bpy.types.Object], turn: Matrix, name: str) -> bpy.type
         source.name += ".source"
         source.hide_render = True
         source.hide_set(True)
-    with bpy.context.temp_override(active_object=copies[0], selected_editable_objects=copies):
-        bpy.ops.object.join()
+    if len(copies) > 1:
+        with bpy.context.temp_override(active_object=copies[0], selected_editable_objects=copies):
+            bpy.ops.object.join()
     copies[0].name = name
     return copies[0]
 

@@ -6,7 +6,7 @@ import ctypes
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 
 STDOUT = 1
 
@@ -15,7 +15,8 @@ STDOUT = 1
 def quiet_stdout() -> Iterator[None]:
     """Send what is written to the process's standard output nowhere while the block runs.
 
-    Importers and the renderer write there from C, so the file descriptor itself is turned away.
+    Importers and the renderer write there from C, so the file descriptor itself is turned away; reports of operators
+    come through Python's `sys.stdout`, which need not be the same.
     """
     _flush()
     kept = os.dup(STDOUT)
@@ -23,7 +24,8 @@ def quiet_stdout() -> Iterator[None]:
     os.dup2(nowhere, STDOUT)
     os.close(nowhere)
     try:
-        yield
+        with open(os.devnull, "w") as silence, redirect_stdout(silence):
+            yield
     finally:
         _flush()
         os.dup2(kept, STDOUT)

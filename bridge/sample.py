@@ -89,7 +89,8 @@ def _smooth_head() -> bpy.types.Mesh:
 def _image_node(obj: bpy.types.Object) -> bpy.types.ShaderNodeTexImage:
     """A material on the object whose base colour is an image, still to be set; the node is the one to bake into."""
     material = bpy.data.materials.new("Calico coat")
-    material.use_nodes = True
+    if material.node_tree is None:
+        material.use_nodes = True  # before Blender 5
     obj.data.materials.append(material)
     tree = material.node_tree
     shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
@@ -150,8 +151,8 @@ def _image(linear: Float32Array) -> bpy.types.Image:
 
 def coat(points: Float32Array) -> Float32Array:
     """Linear RGB (N, 3) of a calico cat at points (N, 3), in lengths of the body: white, ginger and black patches."""
-    ginger = _patches(points, seed=11, share=0.02)
-    black = _patches(points, seed=5, share=0.02)
+    ginger = _patches(points, seed=11, share=0.05)
+    black = _patches(points, seed=5, share=0.05)
     colour = WHITE + (GINGER - WHITE) * ginger[:, None]
     return colour + (BLACK - colour) * black[:, None]
 

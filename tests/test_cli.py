@@ -1,0 +1,231 @@
+"""The command line: exit statuses, one-line errors, and nothing written unless all is well."""
+
+import json
+import os
+import subprocess
+import sys
+
+import bpy
+import numpy as np
+import pytest
+from dualcolor import cli
+from dualcolor.core.errors import OutputError
+from dualcolor.core.outputs import OutputFiles
+from dualcolor.tests.gpx import convert
+from dualcolor.tests.scene import add_box, fresh
+
+from launcher import ROOT
+
+OPEN_BOX = "v 0 0 0\nv 20 0 0\nv 20 0 20\nv 0 0 20\nv 0 20 0\nv 20 20 0\nv 20 20 20\nv 0 20 20\n"
+OPEN_BOX += "f 5 6 7 8\nf 1 4 3 2\nf 2 3 7 6\nf 3 4 8 7\nf 1 5 8 4\n"
+SIDE = "f 1 2 6 5\n"
+FAST = ["--set", "layer_height=0.5", "--set", "first_layer_height=0.5"]
+
+
+@pytest.fixture
+def box(tmp_path):
+    """A cube of 20 mm without UVs, y up."""
+    path = tmp_path / "box.obj"
+    path.write_text(OPEN_BOX + SIDE)
+    return path
+
+
+@pytest.fixture
+def refused(tmp_path, capfd):
+    """Run a command that has to fail by the user's fault; returns the one line it says."""
+
+    def run(*arguments):
+        before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+        capfd.readouterr()
+        status = cli.main([str(argument) for argument in arguments])
+        out, err = capfd.readouterr()
+        after = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+        assert status == 1 and out == ""
+        lines = err.splitlines()
+        assert len(lines) == 1 and lines[0].startswith("error: ") and "Traceback" not in err
+        assert after == before
+        return lines[0]
+
+    return run
+
+
+def test_a_print_writes_all_that_was_asked_for(box, tmp_path, capfd):
+    suffixes = {"gcode": ".gcode", "blend": ".blend", "report": ".json", "dump": ".npz"}
+    outputs = {kind: tmp_path / f"box{suffix}" for kind, suffix in suffixes.items()}
+    arguments = [text for kind, path in outputs.items() for text in (f"--{kind}", str(path))]
+    assert cli.main(["print", str(box), *FAST, *arguments]) == 0
+    out, err = capfd.readouterr()
+    assert err == ""
+    assert out.splitlines()[0] == "box: 20.0 × 20.0 × 20.0 mm, 40 layers, 39 tool changes"
+    assert all(f"wrote {path}" in out for path in outputs.values())
+    assert {path.name for path in tmp_path.iterdir()} == {"box.obj", *(path.name for path in outputs.values())}
+    report = json.loads(outputs["report"].read_text())
+    assert report["layers"] == 40 and report["tool_changes"] == 39
+    assert report["settings"]["layer_height"] == 0.5
+    assert report["gcode"]["bytes"] == outputs["gcode"].stat().st_size
+    np.testing.assert_allclose(report["bounds_mm"], [[-10, -10, 0], [10, 10, 20]], atol=1e-4)
+    with np.load(outputs["dump"]) as dump:
+        assert set(dump.files) >= {"layer_z", "loop_layer", "loop_start", "base_xy", "wave_xy", "phase", "depth"}
+        assert set(dump.files) >= {"tone", "uv"}
+    bpy.ops.wm.open_mainfile(filepath=str(outputs["blend"]))
+    assert "box Dual-Color" in bpy.data.collections and "box" in bpy.data.objects
+    assert convert(outputs["gcode"]) == []
+
+
+def test_same_command_same_bytes(box, tmp_path, capfd):
+    for name in ("a.gcode", "b.gcode"):
+        assert cli.main(["print", str(box), *FAST, "--gcode", str(tmp_path / name)]) == 0
+    assert _without_time((tmp_path / "a.gcode").read_text()) == _without_time((tmp_path / "b.gcode").read_text())
+
+
+def _without_time(text):
+    return [line for line in text.splitlines() if not line.startswith(";")]
+
+
+def test_texture_and_unwrap_give_tones(box, tmp_path, capfd):
+    image = bpy.data.images.new("white", 8, 8)
+    image.pixels.foreach_set(np.ones(8 * 8 * 4, dtype=np.float32))
+    image.filepath_raw, image.file_format = str(tmp_path / "white.png"), "PNG"
+    image.save()
+    dump = tmp_path / "box.npz"
+    command = ["print", str(box), *FAST, "--texture", str(tmp_path / "white.png"), "--dump", str(dump)]
+    assert cli.main([*command, "--unwrap", "smart"]) == 0
+    with np.load(dump) as arrays:
+        np.testing.assert_allclose(arrays["tone"], 1.0, atol=1e-3)
+
+
+def test_settings_file_is_read_and_single_settings_win(box, tmp_path, capfd):
+    (tmp_path / "settings.json").write_text('{"layer_height": 0.4, "first_layer_height": 0.5, "perimeters": 2}')
+    report = tmp_path / "report.json"
+    command = ["print", str(box), "--settings", str(tmp_path / "settings.json"), "--set", "layer_height = 0.5"]
+    assert cli.main([*command, "--report", str(report)]) == 0
+    settings = json.loads(report.read_text())["settings"]
+    assert (settings["layer_height"], settings["first_layer_height"], settings["perimeters"]) == (0.5, 0.5, 2)
+
+
+def test_bad_models_are_refused(tmp_path, refused):
+    model, gcode = tmp_path / "model.obj", tmp_path / "out.gcode"
+    assert "there is no file" in refused("print", model, "--gcode", gcode)
+    model.write_text("")
+    assert "there is no mesh" in refused("print", model, "--gcode", gcode)
+    model.write_text(OPEN_BOX)
+    assert "open" in refused("print", model, "--gcode", gcode)
+    model.write_text((OPEN_BOX + SIDE).replace("20", "300"))
+    assert "larger than" in refused("print", model, "--gcode", gcode)
+
+
+def test_coordinates_that_are_no_numbers_are_refused(tmp_path, refused):
+    fresh()
+    add_box((20, 20, 20)).data.vertices[3].co.y = float("nan")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "box.blend"))
+    assert "not finite" in refused("print", tmp_path / "box.blend", "--gcode", tmp_path / "out.gcode")
+    assert "finite" in refused("print", tmp_path / "box.blend", "--height-mm", 10)
+
+
+def test_bad_pictures_are_refused(box, tmp_path, refused):
+    picture = tmp_path / "picture.png"
+    assert "cannot be read" in refused("print", box, "--texture", picture)
+    picture.write_text("no picture")
+    assert "not an image" in refused("print", box, "--texture", picture)
+    image = bpy.data.images.new("white", 8, 8)
+    image.filepath_raw, image.file_format = str(picture), "PNG"
+    image.save()
+    assert "box has no UV map" in refused("print", box, "--texture", picture, "--report", tmp_path / "report.json")
+
+
+def test_bad_settings_are_refused(box, tmp_path, refused):
+    settings = tmp_path / "settings.json"
+    assert "no setting named speed" in refused("print", box, "--set", "speed=1")
+    assert "layer_height = 'thin' is not a number" in refused("print", box, "--set", "layer_height=thin")
+    assert "outside" in refused("print", box, "--set", "layer_height=3")
+    assert "cannot be read" in refused("print", box, "--settings", settings)
+    settings.write_text("{")
+    assert "is not JSON" in refused("print", box, "--settings", settings)
+    settings.write_text("[1]")
+    assert "holds no settings" in refused("print", box, "--settings", settings)
+
+
+def test_unwritable_outputs_are_refused_before_the_work(box, tmp_path, refused, monkeypatch):
+    monkeypatch.setattr("dualcolor.core.pipeline.generate", None)  # must not get that far
+    report = tmp_path / "report.json"
+    assert "there is no folder" in refused("print", box, "--report", report, "--gcode", tmp_path / "no" / "x.gcode")
+    assert "it is a folder" in refused("print", box, "--report", report, "--gcode", tmp_path)
+    assert "two outputs" in refused("print", box, "--report", report, "--gcode", report)
+    assert "cannot be made" in refused("demo", "--out", box)
+
+
+def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypatch):
+    kept = tmp_path / "box.gcode"
+    kept.write_text("former")
+
+    def full(*_):
+        raise OutputError("the disk is full")
+
+    monkeypatch.setattr("dualcolor.core.pipeline.dump", full)
+    command = ["print", box, *FAST, "--gcode", kept, "--dump", tmp_path / "box.npz"]
+    assert refused(*command) == "error: the disk is full"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["paint"],
+        ["print"],
+        ["print", "x.obj", "--up", "x"],
+        ["print", "x.obj", "--height-mm", "0"],
+        ["print", "x.obj", "--height-mm", "nan"],
+        ["print", "x.obj", "--set", "layer_height"],
+        ["print", "x.obj", "--unwrap", "magic"],
+        ["print", "x.obj", "--blend", "x.png"],
+        ["print", "x.obj", "--dump", "x"],
+    ],
+)
+def test_wrong_usage_is_status_2(arguments, capfd):
+    assert cli.main(arguments) == 2
+    assert "usage:" in capfd.readouterr().err
+
+
+def test_bugs_keep_their_traceback(box, monkeypatch):
+    monkeypatch.setattr("dualcolor.core.pipeline.generate", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        cli.main(["print", str(box)])
+
+
+def test_devices_are_written_to_not_replaced(tmp_path):
+    if os.name != "posix":
+        pytest.skip("no /dev/null here")
+    null = type(tmp_path)("/dev/null")
+    with OutputFiles([null]) as files:
+        files.staged(null).write_text("gone")
+    assert null.is_char_device()
+
+
+def test_files_appear_together_or_not_at_all(tmp_path):
+    first, second = tmp_path / "a.txt", tmp_path / "b.txt"
+    first.write_text("former")
+    with pytest.raises(ZeroDivisionError), OutputFiles([first, second]) as files:
+        files.staged(first).write_text("new")
+        files.staged(second).write_text("new")
+        raise ZeroDivisionError
+    assert first.read_text() == "former" and [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+    with OutputFiles([first, second]) as files:
+        files.staged(first).write_text("new")
+        files.staged(second).write_text("new")
+        assert first.read_text() == "former"
+    assert first.read_text() == second.read_text() == "new" and len(list(tmp_path.iterdir())) == 2
+
+
+def test_the_launcher_runs_from_anywhere(box, tmp_path):
+    if "blender" in os.path.basename(sys.executable).lower() or bpy.app.binary_path:
+        pytest.skip("inside Blender there is no Python of our own to launch")
+    environment = {**os.environ, "DUALCOLOR_PYTHON": sys.executable}
+    run = subprocess.run(
+        [ROOT / "dualcolor", "print", "box.obj", *FAST, "--gcode", "box.gcode"],
+        cwd=tmp_path, env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert run.returncode == 0 and run.stderr == "" and run.stdout.startswith("box: 20.0")
+    assert (tmp_path / "box.gcode").stat().st_size > 10_000
+    environment["DUALCOLOR_PYTHON"] = str(tmp_path / "no-python")
+    run = subprocess.run([ROOT / "dualcolor"], env=environment, capture_output=True, text=True, check=False)
+    assert run.returncode == 1 and run.stderr.startswith("error: ") and run.stderr.count("\n") == 1

@@ -1,0 +1,302 @@
+"""A Blender object becomes the job's input: geometry, units, pictures and colours."""
+
+import bpy
+import numpy as np
+import pytest
+from dualcolor.core.errors import MeshError, TextureError
+from dualcolor.core.mesh import triangulate
+from dualcolor.core.settings import PrintSettings
+from dualcolor.tests.scene import (
+    add_box,
+    add_material,
+    add_mesh,
+    add_uvs,
+    extent,
+    flat_image,
+    fresh,
+    model_of,
+    volume,
+)
+
+GREY_LINEAR = 0.21404114  # sRGB 0.5, decoded
+
+
+@pytest.mark.parametrize(
+    ("system", "scale", "millimetres"),
+    [("METRIC", 1.0, 1000.0), ("METRIC", 0.001, 1.0), ("IMPERIAL", 0.3048, 304.8), ("NONE", 1.0, 1.0)],
+)
+def test_scene_units_become_millimetres(system, scale, millimetres):
+    fresh(millimetres=False)
+    units = bpy.context.scene.unit_settings
+    units.system, units.scale_length = system, scale
+    box = add_box((0.5, 2, 3))
+    np.testing.assert_allclose(extent(model_of(box)), np.array([0.5, 2, 3]) * millimetres, rtol=1e-6)
+
+
+def test_world_transform_with_parent_is_applied():
+    fresh()
+    box, parent = add_box((10, 20, 30)), bpy.data.objects.new("parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.location, parent.scale = (100, 0, 0), (2, 2, 2)
+    box.parent, box.rotation_euler = parent, (0, np.pi / 2, 0)
+    bpy.context.view_layer.update()
+    model = model_of(box)
+    np.testing.assert_allclose(extent(model), [60, 40, 20], atol=1e-4)
+    np.testing.assert_allclose(model.vertices.min(axis=0), [100, 0, -20], atol=1e-4)
+    assert volume(model) == pytest.approx(8 * 6000, rel=1e-5)
+
+
+@pytest.mark.parametrize("scale", [(-1, 1, 1), (1, 1, -2), (-1, -1, -1), (-1, -1, 1)])
+def test_mirrored_objects_still_face_outward(scale):
+    fresh()
+    box = add_box((10, 10, 10))
+    uv = np.random.default_rng(1).random((24, 2)).astype(np.float32)
+    add_uvs(box, uv)
+    before = model_of(box)
+    box.scale = scale
+    bpy.context.view_layer.update()
+    model = model_of(box)
+    assert volume(model) == pytest.approx(1000 * abs(np.prod(scale)), rel=1e-5)
+    at = {(int(v), *np.round(uv, 5)) for v, uv in zip(before.corner_vertex, before.corner_uv, strict=True)}
+    assert at == {(int(v), *np.round(uv, 5)) for v, uv in zip(model.corner_vertex, model.corner_uv, strict=True)}
+
+
+def test_modifiers_and_shape_keys_are_evaluated():
+    fresh()
+    box = add_box((10, 10, 10))
+    array = box.modifiers.new("Array", "ARRAY")
+    array.count = 3
+    box.shape_key_add(name="Basis")
+    tall = box.shape_key_add(name="tall")
+    for point in tall.data:
+        point.co.z *= 2
+    tall.value = 0.5
+    bpy.context.view_layer.update()
+    model = model_of(box)
+    assert len(model.polygon_start) == 3 * 6 + 1
+    np.testing.assert_allclose(extent(model), [30, 10, 15], atol=1e-5)
+
+
+def test_edit_mode_is_read_as_it_looks():
+    fresh()
+    box = add_box((10, 10, 10))
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.transform.resize(value=(2, 1, 1))
+    model = model_of(box)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    np.testing.assert_allclose(extent(model), [20, 10, 10], atol=1e-5)
+
+
+def test_polygons_stay_polygons_and_carry_the_active_uvs():
+    fresh()
+    box = add_box()
+    add_uvs(box, np.zeros(2), "other")
+    layer = add_uvs(box, np.arange(48).reshape(24, 2) / 48, "chosen")
+    layer.active = True
+    model = model_of(box)
+    assert np.diff(model.polygon_start).tolist() == [4] * 6
+    np.testing.assert_allclose(model.corner_uv, np.arange(48).reshape(24, 2) / 48, atol=1e-7)
+
+
+def test_no_colour_at_all_leaves_the_background():
+    fresh()
+    box = add_box()
+    add_material(box, colour=(0.9, 0.1, 0.1, 1))
+    model = model_of(box)
+    assert model.textures == () and model.corner_tone is None and model.corner_uv is None
+    assert (model.polygon_texture == -1).all()
+
+
+def test_chosen_image_beats_the_material():
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    add_material(box, flat_image((0, 0, 0, 1), "black"))
+    model = model_of(box, image=flat_image((1, 1, 1, 1), "white"))
+    assert len(model.textures) == 1 and model.textures[0].tone.min() == 1
+    assert (model.polygon_texture == 0).all()
+
+
+@pytest.mark.parametrize("shader", ["BSDF_PRINCIPLED", "ShaderNodeEmission", "ShaderNodeBsdfDiffuse"])
+def test_image_of_the_material_is_found(shader):
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    add_material(box, flat_image((0.5, 0.5, 0.5, 1)), shader=shader)
+    model = model_of(box)
+    np.testing.assert_allclose(model.textures[0].tone, GREY_LINEAR, atol=2e-3)
+
+
+def test_image_is_found_behind_mix_shaders_and_colour_nodes():
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    image = flat_image((1, 1, 1, 1))
+    _, tree = add_material(box, image)
+    factor = tree.nodes.new("ShaderNodeTexImage")
+    factor.image = flat_image((0, 0, 0, 1), "mask")
+    picture = next(node for node in tree.nodes if node.type == "TEX_IMAGE" and node.image == image)
+    bright = tree.nodes.new("ShaderNodeBrightContrast")
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    tree.links.new(picture.outputs[0], bright.inputs["Color"])
+    tree.links.new(bright.outputs[0], shader.inputs["Base Color"])
+    mix, glossy = tree.nodes.new("ShaderNodeMixShader"), tree.nodes.new("ShaderNodeBsdfGlossy")
+    tree.links.new(factor.outputs["Color"], mix.inputs[0])
+    tree.links.new(glossy.outputs[0], mix.inputs[1])
+    tree.links.new(shader.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    assert model_of(box).textures[0].tone.min() == 1  # the picture, not the mask
+
+
+def test_each_material_has_its_own_picture_or_colour():
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    shared = flat_image((1, 1, 1, 1), "shared")
+    add_material(box, flat_image((0, 0, 0, 1), "unused"))
+    add_material(box, shared)
+    add_material(box, colour=(0.25, 0.25, 0.25, 1))
+    add_material(box, flat_image((0, 0, 0, 1), "black"))
+    add_material(box, shared)
+    box.data.polygons.foreach_set("material_index", [1, 2, 3, 4, 1, 1])
+    model = model_of(box)
+    assert [image.tone.max() for image in model.textures] == [1, 0]
+    assert model.polygon_texture.tolist() == [0, -1, 1, 0, 0, 0]
+    plain = np.repeat(np.arange(6), 4) == 1
+    np.testing.assert_allclose(model.corner_tone[plain], 0.25, atol=1e-6)
+    assert np.isnan(model.corner_tone[~plain]).all()
+
+
+def test_a_picture_can_ask_for_its_own_uv_map():
+    fresh()
+    box = add_box()
+    add_uvs(box, np.array([0.25, 0.75]), "old")
+    _, tree = add_material(box, flat_image((1, 1, 1, 1)))
+    node = tree.nodes.new("ShaderNodeUVMap")
+    node.uv_map = "old"
+    picture = next(each for each in tree.nodes if each.type == "TEX_IMAGE")
+    tree.links.new(node.outputs[0], picture.inputs["Vector"])
+    add_uvs(box, np.array([0.5, 0.5]), "new").active = True
+    np.testing.assert_allclose(model_of(box).corner_uv, np.tile([0.25, 0.75], (24, 1)), atol=1e-6)
+    chosen = model_of(box, image=flat_image((0, 0, 0, 1), "chosen"))
+    np.testing.assert_allclose(chosen.corner_uv, np.tile([0.5, 0.5], (24, 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", ["FLOAT_COLOR", "BYTE_COLOR"])
+@pytest.mark.parametrize("domain", ["POINT", "CORNER"])
+def test_colour_attributes_are_linear_and_blend_by_alpha(kind, domain):
+    fresh()
+    box = add_box()
+    attribute = box.data.color_attributes.new("paint", kind, domain)
+    colours = np.zeros((len(attribute.data), 4), dtype=np.float32)
+    colours[:, :3], colours[:, 3] = 0.5, 1.0
+    colours[0] = (1, 1, 1, 0)
+    attribute.data.foreach_set("color_srgb", colours.ravel())
+    box.data.color_attributes.active_color = attribute
+    tone = model_of(box, background_tone=0.75).corner_tone
+    bare = model_of(box).corner_vertex == 0 if domain == "POINT" else np.arange(24) == 0
+    np.testing.assert_allclose(tone[bare], 0.75, atol=1e-6)
+    np.testing.assert_allclose(tone[~bare], GREY_LINEAR, atol=3e-3)
+
+
+def test_image_beats_the_colour_attribute():
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    attribute = box.data.color_attributes.new("paint", "FLOAT_COLOR", "CORNER")
+    box.data.color_attributes.active_color = attribute
+    add_material(box, flat_image((1, 1, 1, 1)))
+    assert model_of(box).corner_tone is None
+
+
+def test_colours_that_are_no_numbers_count_as_unpainted():
+    fresh()
+    box = add_box()
+    attribute = box.data.color_attributes.new("paint", "FLOAT_COLOR", "POINT")
+    colours = np.ones((8, 4), dtype=np.float32)
+    colours[3] = np.nan
+    attribute.data.foreach_set("color", colours.ravel())
+    box.data.color_attributes.active_color = attribute
+    model = model_of(box, background_tone=0.25)
+    np.testing.assert_allclose(model.corner_tone, np.where(model.corner_vertex == 3, 0.25, 1.0))
+
+
+@pytest.mark.parametrize(("options", "tone"), [({}, GREY_LINEAR), ({"is_data": True}, 0.5), ({"is_float": True}, 0.5)])
+def test_images_are_decoded_by_kind_and_colour_space(options, tone):
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    model = model_of(box, image=flat_image((0.5, 0.5, 0.5, 1), **options))
+    np.testing.assert_allclose(model.textures[0].tone, tone, atol=2.5e-3)
+
+
+def test_alpha_means_coverage_unless_the_image_says_otherwise():
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    image = flat_image((1, 1, 1, 0.0))
+    assert model_of(box, image=image).textures[0].alpha.max() == 0
+    image.alpha_mode = "CHANNEL_PACKED"
+    assert model_of(box, image=image).textures[0].alpha.min() == 1
+
+
+def test_pixels_keep_their_place():
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    image = flat_image((0, 0, 0, 1))
+    pixels = np.zeros((4, 4, 4), dtype=np.float32)
+    pixels[..., 3] = 1
+    pixels[0, 3, :3] = 1  # bottom right
+    image.pixels.foreach_set(pixels.ravel())
+    tone = model_of(box, image=image).textures[0].tone
+    assert tone[0, 3] == 1 and tone.sum() == 1
+
+
+def test_no_uvs_for_a_picture_is_said():
+    fresh()
+    box = add_box()
+    with pytest.raises(TextureError, match=r"box has no UV map for the image picture.*unwrap"):
+        model_of(box, image=flat_image((1, 1, 1, 1)))
+    add_material(box, flat_image((1, 1, 1, 1), "own"))
+    with pytest.raises(TextureError, match="box has no UV map for the image own"):
+        model_of(box)
+
+
+def test_missing_picture_is_said():
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    image = flat_image((1, 1, 1, 1), "lost")
+    image.source, image.filepath = "FILE", "/nowhere/lost.png"
+    add_material(box, image)
+    with pytest.raises(TextureError, match="the image lost has no pixels"):
+        model_of(box)
+
+
+def test_objects_without_faces_are_refused():
+    fresh()
+    with pytest.raises(MeshError, match="thing has no faces"):
+        model_of(add_mesh([[0, 0, 0], [1, 0, 0]], []))
+    empty = bpy.data.objects.new("marker", None)
+    bpy.context.scene.collection.objects.link(empty)
+    with pytest.raises(MeshError, match="marker has no surface"):
+        model_of(empty)
+
+
+def test_coordinates_that_are_not_finite_are_refused():
+    fresh()
+    box = add_box((10, 10, 10))
+    box.data.vertices[2].co.x = float("nan")
+    box.data.update()
+    with pytest.raises(MeshError, match="not finite"):
+        triangulate(model_of(box), PrintSettings())
+
+
+def test_curves_and_text_have_a_surface_too():
+    fresh()
+    bpy.ops.object.text_add()
+    text = bpy.context.object
+    text.data.extrude = 0.5
+    assert len(model_of(text).polygon_start) > 10
