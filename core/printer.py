@@ -21,6 +21,12 @@ class PrinterProfile:
         max_speed_change_mm_s: speed that X, Y, Z may change by at once in a corner.
         queue_moves: moves that the firmware sees ahead; it is always able to stop at the last of them.
         tool_axes: letter of each tool's filament axis.
+        steps_per_mm: of X, Y, Z and of the filament, as GPX converts them.
+        home_feedrate_mm_min: greatest of X, Y, Z towards their end stops.
+        bed_min: mm, least X, Y, Z of the bed.
+        bed_max: mm, greatest X, Y, Z of the bed.
+        reach_x_max: mm, greatest X that the carriage reaches with each tool.
+        max_temperature_c: of a nozzle and of the bed.
     """
 
     name: str
@@ -32,6 +38,12 @@ class PrinterProfile:
     max_speed_change_mm_s: Triple
     queue_moves: int
     tool_axes: tuple[str, str]
+    steps_per_mm: tuple[float, float, float, float]
+    home_feedrate_mm_min: Triple
+    bed_min: Triple
+    bed_max: Triple
+    reach_x_max: tuple[float, float]
+    max_temperature_c: tuple[float, float]
 
 
 REPLICATOR_2X = PrinterProfile(
@@ -44,4 +56,10 @@ REPLICATOR_2X = PrinterProfile(
     max_speed_change_mm_s=(15.0, 15.0, 10.0),
     queue_moves=16,
     tool_axes=("A", "B"),
+    steps_per_mm=(88.888889, 88.888889, 400.0, 96.27520187033367),
+    home_feedrate_mm_min=(2500.0, 2500.0, 1100.0),
+    bed_min=(-123.0, -76.0, 0.0),
+    bed_max=(123.0, 76.0, 155.0),
+    reach_x_max=(152.0, 117.0),
+    max_temperature_c=(280.0, 130.0),
 )

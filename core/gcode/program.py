@@ -90,7 +90,7 @@ def _check(moves: Moves) -> None:
 
 def _start(moves: Moves, settings: PrintSettings) -> StartSequence:
     first = int(moves.tool[0])
-    others = tuple(int(tool) for tool in np.unique(moves.tool) if tool != first)
+    others = (1 - first,) if (moves.tool != first).any() else ()
     extrudes = moves.extrudes
     front = float(moves.position[extrudes, 1].min()) if extrudes.any() else 0.0
     return start_sequence(settings, (*others, first), (_first_prime(moves, 0), _first_prime(moves, 1)), front)
