@@ -114,8 +114,6 @@ def _baked(sources: list[bpy.types.Object], turn: Matrix, name: str) -> bpy.type
         copy.data.transform(matrix)
         if matrix.determinant() < 0:
             copy.data.flip_normals()
-        if copy.data.uv_layers.active:
-            copy.data.uv_layers.active.name = "UVMap"  # layers are joined by name
         bpy.context.scene.collection.objects.link(copy)
         copies.append(copy)
     for source in sources:

@@ -160,6 +160,7 @@ def test_each_material_has_its_own_picture_or_colour():
     add_material(box, flat_image((0, 0, 0, 1), "black"))
     add_material(box, shared)
     box.data.polygons.foreach_set("material_index", [1, 2, 3, 4, 1, 1])
+    box.data.color_attributes.active_color = box.data.color_attributes.new("leftover", "FLOAT_COLOR", "CORNER")
     model = model_of(box)
     assert [image.tone.max() for image in model.textures] == [1, 0]
     assert model.polygon_texture.tolist() == [0, -1, 1, 0, 0, 0]
