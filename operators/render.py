@@ -21,7 +21,7 @@ class DUALCOLOR_OT_render_prediction(ExportHelper, bpy.types.Operator):
     filter_glob: bpy.props.StringProperty(default="*.png", options={"HIDDEN"})
     width: bpy.props.IntProperty(name="Width", default=900, min=16, max=8192, subtype="PIXEL")
     height: bpy.props.IntProperty(name="Height", default=900, min=16, max=8192, subtype="PIXEL")
-    samples: bpy.props.IntProperty(name="Samples", description="Most rays a pixel", default=32, min=1, max=4096)
+    samples: bpy.props.IntProperty(name="Samples", description="Most rays a pixel", default=64, min=1, max=4096)
     whole_plate: bpy.props.BoolProperty(name="Whole Plate", description="Show the cleaning tower and the skirt too")
 
     @classmethod
