@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 CHUNK_ROWS = 1 << 14
+
+Part = TypeVar("Part")
+Result = TypeVar("Result")
 
 
 def in_chunks(
@@ -30,6 +33,11 @@ def in_chunks(
     if parts <= 1:
         return function(*columns)
     pieces = zip(*(np.array_split(column, parts) for column in columns), strict=True)
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        results = list(pool.map(lambda piece: function(*piece), pieces))
+    results = in_threads(lambda piece: function(*piece), pieces)
     return tuple(np.concatenate(part) for part in zip(*results, strict=True))
+
+
+def in_threads(function: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
+    """Apply a function to every part, several at a time; the results in the order of the parts."""
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        return list(pool.map(function, parts))

@@ -41,12 +41,13 @@ def gaps(
 def _facing_distance(
     points: FloatArray, normal: FloatArray, layer: IntArray, reach: float
 ) -> tuple[FloatArray, FloatArray]:
-    grid = PointGrid(points, layer, reach)
-    other, group = grid.candidates(points, layer)
+    other, group = PointGrid(points, layer, reach / 2).candidates(points, layer, rings=2)
     this = np.repeat(np.arange(len(points)), np.diff(group))
     facing = np.einsum("ij,ij->i", normal[this], normal[other]) < FACING
     this, other = this[facing], other[facing]
     away = points[other] - points[this]
+    near = np.einsum("ij,ij->i", away, away) <= reach**2
+    this, other, away = this[near], other[near], away[near]
     along = np.einsum("ij,ij->i", away, normal[this])
     sideways = np.abs(away[:, 0] * normal[this, 1] - away[:, 1] * normal[this, 0])
     # Straight across is what counts; a point of the other wall is at most half a stride off to the side.

@@ -6,13 +6,15 @@ and moved inwards by half a line width so that the strand's outer edge is the mo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from itertools import pairwise
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines, following, starts, sums
+from .chunks import in_threads
 from .clearance import gaps
 
 # Points along a contour: at least this many a wavelength.
@@ -21,6 +23,8 @@ POINTS_PER_WAVELENGTH = 6
 FILTER_SIGMA = 0.25
 # Thinner lines than this share of the extrusion width do not stick; a thinner wall gets overlapping lines.
 LEAST_WIDTH = 0.5
+# So many layers are treated at a time, in threads: their arrays stay in the cache.
+LAYERS_AT_ONCE = 16
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,23 @@ class Contours:
         """(N,) the loop of each point."""
         return np.repeat(np.arange(len(self.layer)), np.diff(self.start))
 
+    @staticmethod
+    def joined(parts: list[Contours]) -> Contours:
+        """The contours of several runs of layers, which follow one another, in one table."""
+        points = starts(np.array([part.start[-1] for part in parts]))
+        arc = np.concatenate([[0.0], np.cumsum([part.arc_start[-1] for part in parts])])
+        columns = {
+            column.name: np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(Contours)
+        }
+        columns["start"] = np.append(
+            np.concatenate([part.start[:-1] + base for part, base in zip(parts, points[:-1], strict=True)]), points[-1]
+        )
+        columns["arc_start"] = np.append(
+            np.concatenate([part.arc_start[:-1] + base for part, base in zip(parts, arc[:-1], strict=True)]), arc[-1]
+        )
+        columns["arc"] = np.concatenate([part.arc + base for part, base in zip(parts, arc[:-1], strict=True)])
+        return Contours(**columns)
+
     def locate(self, arc: FloatArray, loop: IntArray | None = None) -> tuple[IntArray, IntArray, FloatArray]:
         """Where places lie: index of the point before, of the point after, and the share of the way between them.
 
@@ -92,6 +113,18 @@ def contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings
         loop_polygon: (M,) the region that each bounds.
         settings: wavelength and extrusion width are used.
     """
+    layers = int(outlines.layer.max(initial=-1)) + 1
+    cuts = np.searchsorted(outlines.layer, np.arange(0, layers + LAYERS_AT_ONCE, LAYERS_AT_ONCE))
+
+    def part(loops: tuple[int, int]) -> Contours:
+        some = slice(*loops)
+        return _contours(outlines.between(*loops), loop_polygon[some], settings)
+
+    return Contours.joined(in_threads(part, pairwise(cuts.tolist())) or [part((0, 0))])
+
+
+def _contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings) -> Contours:
+    """The contours of a few layers; nothing in them depends on other layers."""
     step = settings.wavelength / POINTS_PER_WAVELENGTH
     points, start, face, carried = resampled(outlines, step)
     kernel = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH)

@@ -66,6 +66,12 @@ class Outlines:
             self.points[points], starts(self.count[keep]), self.layer[keep], self.face[points], self.carried[points]
         )
 
+    def between(self, first: int, last: int) -> Outlines:
+        """The loops from `first` to the one before `last`, as views."""
+        points = slice(self.start[first], self.start[last])
+        start = self.start[first : last + 1] - self.start[first]
+        return Outlines(self.points[points], start, self.layer[first:last], self.face[points], self.carried[points])
+
     def reversed(self, turn: BoolArray) -> Outlines:
         """The loops that `turn` (M,) marks run the other way round."""
         if not turn.any():
