@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from .pattern.wave import WavedOutlines, modulated, tone_along_wall, waved
 from .printer import REPLICATOR_2X
 from .report import StageClock, header_lines, peak_rss_mb
 from .settings import PrintSettings
+from .slicing.outlines import bounds
 from .slicing.slices import Slices, slices
 from .statistics import filament_use, print_time
 from .texture.lookup import tone_at
@@ -97,27 +99,32 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
 
     yield stage(0.0, "mesh")
     mesh = triangulate(model, settings)
-    yield stage(0.05, "slicing")
-    cut = slices(mesh, settings)
-    yield stage(0.2, "contours")
-    lines = contours(cut.outlines, cut.loop_polygon, settings)
-    yield stage(0.3, "sampling")
-    projector = Projector(lines, settings.projection_threshold)
-    samples = _samples(lines, projector, settings)
-    yield stage(0.4, "texture")
-    pyramids = build_pyramids(mesh, model.textures, 2 * settings.layer_height, settings.texture_filter)
-    yield stage(0.45, "tone")
-    tone = _tone(lines, pyramids, settings)
-    yield stage(0.5, "modulation")
-    depth, set_back = modulated(lines, tone, settings)
-    outlines = waved(lines, samples, tone, depth, set_back, settings)
-    yield stage(0.6, "fill")
-    inside = inside_of_wall(lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
-    fill = fill_paths(cut.regions, inside, cut.polygon_layer, settings)
-    yield stage(0.75, "toolpaths")
-    moves = _moves(outlines, fill, cut, settings)
-    yield stage(0.9, "analysis")
-    pattern = seam_errors(lines, samples, projector).shares(len(samples.arc))
+    # What does not wait for the stages in between runs beside them; leaving the block waits for it.
+    with ThreadPoolExecutor(1) as beside:
+        footprint = 2 * settings.layer_height
+        painting = beside.submit(build_pyramids, mesh, model.textures, footprint, settings.texture_filter)
+        yield stage(0.05, "slicing")
+        cut = slices(mesh, settings)
+        yield stage(0.2, "contours")
+        lines = contours(cut.outlines, cut.loop_polygon, settings)
+        yield stage(0.3, "sampling")
+        projector = Projector(lines, settings.projection_threshold)
+        samples = _samples(lines, projector, settings)
+        yield stage(0.4, "texture")
+        pyramids = painting.result()
+        fit = beside.submit(seam_errors, lines, samples, projector)
+        yield stage(0.45, "tone")
+        tone = _tone(lines, pyramids, settings)
+        yield stage(0.5, "modulation")
+        depth, set_back = modulated(lines, tone, settings)
+        outlines = waved(lines, samples, tone, depth, set_back, settings)
+        yield stage(0.6, "fill")
+        inside = inside_of_wall(lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
+        fill = fill_paths(cut.regions, inside, cut.polygon_layer, settings)
+        yield stage(0.75, "toolpaths")
+        moves = _moves(outlines, fill, cut, settings)
+        yield stage(0.9, "analysis")
+        pattern = fit.result().shares(len(samples.arc))
     warnings = _warnings(cut, model, lines, samples)
     report = _report(model.name, mesh, cut, moves, settings)
     clock.stop()
@@ -142,7 +149,7 @@ def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -
 
 def _moves(outlines: WavedOutlines, fill: Paths, cut: Slices, settings: PrintSettings) -> Moves:
     wall = outer_wall_paths(outlines)
-    occupied = np.stack([outlines.points.min(axis=0), outlines.points.max(axis=0)])
+    occupied = bounds(outlines.points)
     margin = settings.extrusion_width / 2
     occupied += np.array([[-margin], [margin]])
     tower = tower_paths(len(cut.layers), occupied, settings)
@@ -161,8 +168,7 @@ def _footprint(cut: Slices, tower: Paths) -> shapely.Geometry:
 
 
 def _check_reach(moves: Moves) -> None:
-    printed = moves.position[moves.extrudes]
-    low, high = printed.min(axis=0), printed.max(axis=0)
+    low, high = bounds(moves.position, moves.extrudes)
     least, most = np.array(REPLICATOR_2X.reach_min), np.array(REPLICATOR_2X.reach_max)
     if (low[:2] < least[:2]).any() or (high > most).any():
         size = " × ".join(f"{extent:.0f}" for extent in high - low)

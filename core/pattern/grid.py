@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..slicing.outlines import ranges, starts
+from ..slicing.outlines import bounds, ranges, starts
 
 
 class PointGrid:
@@ -14,8 +14,9 @@ class PointGrid:
     def __init__(self, points: FloatArray, layer: IntArray, cell: float) -> None:
         """Sort (N, 2) points with their layers (N,) into cells of `cell` mm."""
         self.cell = cell
-        self.low = points.min(axis=0, initial=0.0) - 3 * cell
-        self.size = np.ceil((points.max(axis=0, initial=0.0) - self.low) / cell).astype(np.int64) + 4
+        low, high = bounds(points) if len(points) else np.zeros((2, 2))
+        self.low = low - 3 * cell
+        self.size = np.ceil((high - self.low) / cell).astype(np.int64) + 4
         key = self._key(self._column(points), layer)
         self.order = np.argsort(key, kind="stable")
         self.keys = key[self.order]

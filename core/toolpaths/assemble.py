@@ -86,7 +86,8 @@ def _extrusions(paths: OrderedPaths, layers: Layers, first_row: IntArray, settin
     tool = tool_of_layer(layer, settings)
     width = np.where(extrudes, paths.width[tail], 0.0)
     height = np.where(extrudes, layers.height[layer], 0.0)
-    length = np.where(extrudes, np.hypot(*(paths.points[point] - paths.points[tail]).T), 0.0)
+    along = np.diff(paths.points, axis=0)
+    length = np.where(extrudes, np.append(np.hypot(along[:, 0], along[:, 1]), 0.0)[tail], 0.0)
     diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
     filament = length * width * height * settings.extrusion_multiplier / (np.pi / 4 * diameter**2)
     speed = _speeds(settings)[paths.feature[path]]
