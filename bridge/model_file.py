@@ -38,6 +38,8 @@ def open_model(path: Path, object_name: str = "", up: str = "", height_mm: float
         raise PrintError(f"{path} is not a model file", f"known kinds are {', '.join(UP_AXIS)}")
     if not path.is_file():
         raise PrintError(f"there is no file {path}")
+    if not path.stat().st_size:
+        raise MeshError(f"{path} is empty")
     _read(path, kind)
     imported = kind != ".blend"
     if imported:

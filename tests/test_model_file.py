@@ -113,8 +113,10 @@ def test_several_meshes_without_an_active_one_need_a_name(tmp_path):
     [
         ("nothing.obj", None, "there is no file"),
         ("notes.txt", "hello", "is not a model file"),
-        ("empty.obj", "", "there is no mesh"),
-        ("empty.stl", "", "cannot read|there is no mesh|no faces"),
+        ("empty.obj", "", "is empty"),
+        ("nothing.stl", "solid nothing\nendsolid nothing\n", "cannot read|no faces|there is no mesh"),
+        ("comment.obj", "# nothing\n", "there is no mesh"),
+        ("empty.stl", "", "is empty"),
         ("broken.glb", "hello", "cannot read"),
         ("broken.blend", "hello", "cannot read"),
         ("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n", "is flat"),
