@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .gcode.sequences import TRAVEL_F
 from .model import BoolArray, FloatArray, IntArray
 from .printer import REPLICATOR_2X
 from .settings import PrintSettings
@@ -20,7 +21,7 @@ class _Segments:
 
     Attributes:
         row: (S,) int64, the row of the moves.
-        direction: (S, 3) unit vectors, zero where only filament moves.
+        direction: (S, 4) X, Y, Z and filament for each mm of length.
         length: (S,) float64 mm, of the way or else of the filament.
         speed: (S,) float64 mm/s that the axes allow.
         acceleration: (S,) float64 mm/s² that the axes allow.
@@ -36,8 +37,9 @@ class _Segments:
 def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
     """Seconds that the print moves, by trapezoids as the firmware plans them; heating and priming left out.
 
-    Speeds at the corners obey the instant speed change of each axis, accelerations those of the axes, and the
-    printer can always stop at the end of its queue of moves. It stands still at retractions and tool changes.
+    Speeds at the corners obey the instant speed change of each axis, that of the filament included, accelerations
+    those of the axes, and the printer can always stop at the end of its queue of moves. It stands still at tool
+    changes, where the carriage shifts from nozzle to nozzle.
 
     Args:
         moves: the print.
@@ -53,9 +55,10 @@ def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
     seconds = _trapezoid_seconds(segments, _node_speeds_squared(segments, moves.tool[segments.row]))
     changing = _tool_change_rows(moves)[segments.row]
     tower = moves.feature[segments.row] == Feature.TOWER
+    shifts = np.count_nonzero(np.diff(moves.tool)) * REPLICATOR_2X.nozzle_distance_mm / (TRAVEL_F / 60)
     return {
-        "total": float(seconds.sum()),
-        "tool_change": float(seconds[changing].sum()),
+        "total": float(seconds.sum()) + shifts,
+        "tool_change": float(seconds[changing].sum()) + shifts,
         "tower": float(seconds[tower].sum()),
     }
 
@@ -82,15 +85,15 @@ def _segments(moves: Moves) -> _Segments:
     direction = np.where(still[:, None], 0.0, step / length[:, None])
 
     printer = REPLICATOR_2X
-    feed = np.abs(moves.filament[row]) / length
+    feed = moves.filament[row] / length
     lift = np.abs(direction[:, 2])
     level = np.maximum(np.abs(direction[:, 0]), np.abs(direction[:, 1]))
     with np.errstate(divide="ignore"):
-        speed = np.minimum(moves.speed[row], printer.max_speed_mm_s[3] / feed)
+        speed = np.minimum(moves.speed[row], printer.max_speed_mm_s[3] / np.abs(feed))
         speed = np.minimum(speed, np.minimum(printer.max_speed_mm_s[0] / level, printer.max_speed_mm_s[2] / lift))
-        acceleration = np.minimum(printer.acceleration_mm_s2[0], printer.acceleration_mm_s2[2] / lift)
-    acceleration[still] = printer.acceleration_mm_s2[3]
-    return _Segments(row, direction, length, speed, acceleration)
+        acceleration = np.minimum(printer.acceleration_mm_s2[0] / level, printer.acceleration_mm_s2[2] / lift)
+        acceleration = np.minimum(acceleration, printer.acceleration_mm_s2[3] / np.abs(feed))
+    return _Segments(row, np.column_stack([direction, feed]), length, speed, acceleration)
 
 
 def _node_speeds_squared(segments: _Segments, tool: IntArray) -> FloatArray:
@@ -119,8 +122,7 @@ def _corner_speeds(segments: _Segments, tool: IntArray) -> FloatArray:
     with np.errstate(divide="ignore"):
         for axis, change in enumerate(REPLICATOR_2X.max_speed_change_mm_s):
             limit = np.minimum(limit, change / turn[:, axis])
-    still: BoolArray = ~direction.any(axis=1)
-    limit[still[:-1] | still[1:] | (tool[:-1] != tool[1:])] = 0.0
+    limit[tool[:-1] != tool[1:]] = 0.0
     return limit
 
 

@@ -82,6 +82,7 @@ def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str
 
 
 def _heat_and_home(settings: PrintSettings, tools: tuple[int, ...]) -> list[str]:
+    """A heater that stays off is not waited for: GPX warns of it."""
     hot = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
     home_x, home_y = REPLICATOR_2X.home
     warm_up = [f"M104 S{min(WARM_UP_C, hot[tool]):.0f} T{tool}" for tool in sorted(tools)]
@@ -103,9 +104,9 @@ def _heat_and_home(settings: PrintSettings, tools: tuple[int, ...]) -> list[str]
         *warm_up,
         *homing,
         *wait_left_front,
-        "M134 T0",
+        *(["M134 T0"] if round(settings.bed_temperature) else []),
         *heat_up,
-        *(f"M133 T{tool}" for tool in sorted(tools)),
+        *(f"M133 T{tool}" for tool in sorted(tools) if round(hot[tool])),
     ]
 
 
