@@ -89,9 +89,13 @@ def rasterised(face_uv: FloatArray, island: IntArray, height: int, width: int) -
         texels + len(island)
     ):
         return np.full((height, width), island[0], dtype=np.int32), np.full_like(island, island[0])
-    labels = np.full(texels, NO_ISLAND, dtype=np.int32)
     rows = _crossed_rows(corners, first.astype(np.int64), (last - first).astype(np.int64), island)
-    overlaps = [_fill(labels, chunk, height, width) for chunk in _chunks(rows)]
+    rows = _wrapped(rows, height, width)
+    disjoint = _disjoint(rows, texels, width)
+    if disjoint is not None:
+        return disjoint.reshape(height, width), island
+    labels = np.full(texels, NO_ISLAND, dtype=np.int32)
+    overlaps = [_fill(labels, chunk, width) for chunk in _chunks(rows)]
     merged = _merged(np.concatenate(overlaps), labels, island)
     if merged is not None:
         labels = np.append(merged, NO_ISLAND)[labels].astype(np.int32)
@@ -162,6 +166,40 @@ def _crossed_rows(corners: FloatArray, first: IntArray, count: IntArray, island:
     return _Rows(row[some], start[some].astype(np.int64), end[some].astype(np.int64), owner)
 
 
+def _wrapped(rows: _Rows, height: int, width: int) -> _Rows:
+    """The same texels in rows that lie within the picture."""
+    row, first, last, island = rows.row % height, rows.first % width, rows.last, rows.island
+    last = last - rows.first + first
+    parts = [_Rows(row, first, np.minimum(last, width), island)]
+    while (last > width).any():
+        over = last > width
+        row, last, island = row[over], last[over] - width, island[over]
+        parts.append(_Rows(row, np.zeros_like(row), np.minimum(last, width), island))
+    return _Rows(
+        np.concatenate([part.row for part in parts]),
+        np.concatenate([part.first for part in parts]),
+        np.concatenate([part.last for part in parts]),
+        np.concatenate([part.island for part in parts]),
+    )
+
+
+def _disjoint(rows: _Rows, texels: int, width: int) -> LabelImage | None:
+    """The flat picture of rows of which none share a texel unless all are of one island; None where some do."""
+    begin, end = rows.row * width + rows.first, rows.row * width + rows.last
+    order = np.argsort(begin, kind="stable")
+    begin, end = begin[order], end[order]
+    if len(begin) and rows.island.min() == rows.island.max():
+        begin[1:] = np.maximum(begin[1:], np.maximum.accumulate(end)[:-1])  # each row without what is there already
+        end = np.maximum(begin, end)
+    if (begin[1:] < end[:-1]).any():
+        return None
+    # In turns: a gap without an island, a row, a gap, …
+    bounds = np.concatenate([[0], np.stack([begin, end], axis=1).ravel(), [texels]])
+    island = np.full(2 * len(begin) + 1, NO_ISLAND, dtype=np.int32)
+    island[1::2] = rows.island[order]
+    return np.repeat(island, np.diff(bounds))
+
+
 def _chunks(rows: _Rows) -> list[_Rows]:
     """The rows in parts of at most about `_CHUNK_TEXELS` texels."""
     part = np.cumsum(rows.last - rows.first) // _CHUNK_TEXELS
@@ -169,14 +207,11 @@ def _chunks(rows: _Rows) -> list[_Rows]:
     return [_Rows(rows.row[a:b], rows.first[a:b], rows.last[a:b], rows.island[a:b]) for a, b in pairwise(bounds)]
 
 
-def _fill(labels: LabelImage, rows: _Rows, height: int, width: int) -> IntArray:
+def _fill(labels: LabelImage, rows: _Rows, width: int) -> IntArray:
     """Write the rows into the flat picture; returns (n, 2) islands that met at a texel, once for each such texel."""
     count = rows.last - rows.first
-    begin = rows.first + (rows.row % height) * width
+    begin = rows.first + rows.row * width
     index = np.arange(count.sum()) + np.repeat(begin - (np.cumsum(count) - count), count)
-    if len(index) and (rows.first.min() < 0 or rows.last.max() > width):
-        base = np.repeat((rows.row % height) * width, count)
-        index = base + (index - base) % width
     island = np.repeat(rows.island.astype(np.int32), count)
     before = labels[index]
     labels[index] = island
