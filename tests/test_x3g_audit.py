@@ -89,6 +89,11 @@ def test_out_of_bounds(axis, steps, also_off_the_bed):
     assert [("leaves the printer's space" in text) for text in where[1:]] == [True] * also_off_the_bed
 
 
+def test_strand_that_comes_from_outside():
+    reach = [(x, 0, 0.25, 0, feature, 0, 60, fed) for x, feature, fed in ((108, TRAVEL, 0), (90, OUTER_WALL, 0.6))]
+    only(findings(pieces(table(*reach))), "outside the reach of both nozzles once")
+
+
 def test_travel_out_of_bounds():
     parts = pieces()
     at = next(i for i, part in enumerate(parts) if part[0] == Command.MOVE and record(part)["distance"] > 200)

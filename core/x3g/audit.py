@@ -178,7 +178,7 @@ def _ready(commands: Commands, rows: IntArray, targets: IntArray, least: float, 
     number = np.arange(len(commands.code))
     target = np.concatenate([[0], targets])[np.searchsorted(rows, number, side="right")]
     waits = np.flatnonzero(commands.code == wait)
-    waits = waits[(commands.argument(waits, 1) == tool) & (target[waits] >= least)]
+    waits = waits[commands.argument(waits, 1) == tool]  # those that wait for too little count as cold themselves
     waited = np.full(len(number), -1)
     waited[waits] = waits
     cold: IntArray = np.maximum.accumulate(np.where(target < least, number, -1))
