@@ -53,6 +53,7 @@ def main(model_path: str, gcode_path: str) -> dict[str, object]:
         "peak_mb": peak_mb(),
         "bare_mb": bare,
         "stages_s": result.report["stages_s"],
+        "beside_s": result.report["beside_s"],
         "layers": result.report["layers"],
         "moves": result.report["gcode"]["moves"],
         "pattern": result.report["pattern"],

@@ -54,7 +54,8 @@ def bumpy_sphere(subdivisions: int) -> tuple[Floats, Integers]:
     random = np.random.default_rng(1)
     waves = random.normal(size=(40, 3)) * random.uniform(2, 12, size=(40, 1))
     noise = np.sin(direction @ waves.T + random.uniform(0, 2 * np.pi, size=40)).mean(axis=1)
-    return direction * (1 + 0.15 * noise)[:, None], faces
+    points: Floats = direction * (1 + 0.15 * noise)[:, None]
+    return points, faces
 
 
 def scaled(points: Floats, height_mm: float) -> Floats:

@@ -68,7 +68,7 @@ def main() -> int:
             if name == "gargoyle" and not source.is_file():
                 print(f"{source} is not here: skipping the gargoyle")
                 continue
-            subprocess.run([sys.executable, HERE / "models.py", name, source, folder], check=True)
+            subprocess.run([sys.executable, str(HERE / "models.py"), name, str(source), folder], check=True)
             runs[name] = measured(name, Path(folder), slicer, args.repeat)
             print_tables(name, runs[name])
     if args.json:
@@ -88,7 +88,7 @@ def measured(name: str, folder: Path, slicer: str | None, repeat: int) -> dict[s
 
 def run_ours(model: Path, gcode: Path) -> Run:
     """One job of ours."""
-    command = [sys.executable, HERE / "job.py", model, gcode]
+    command = [sys.executable, str(HERE / "job.py"), str(model), str(gcode)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     figures: Run = json.loads(done.stdout)
     return figures
@@ -98,7 +98,7 @@ def run_prusa(slicer: str, model: Path, gcode: Path) -> Run:
     """One run of PrusaSlicer, the start of its process included."""
     began = perf_counter()
     options = [f"--{name}={value}" for name, value in PRUSA_OPTIONS.items()]
-    command = [slicer, "--export-gcode", *options, "--output", gcode, model]
+    command = [slicer, "--export-gcode", *options, "--output", str(gcode), str(model)]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, used = os.wait4(process.pid, 0)
     wall = perf_counter() - began
@@ -137,16 +137,29 @@ def print_tables(name: str, runs: dict[str, list[Run]]) -> None:
 
 
 def print_stages(ours: list[Run]) -> None:
-    """Seconds and share of each stage."""
+    """Seconds and share of each stage; of the work beside them the seconds only."""
     stages = {stage: median(run["stages_s"][stage] for run in ours) for stage in ours[0]["stages_s"]}
     total = sum(stages.values())
     print(f"{'stage':14}{'s':>9}{'share':>9}")
     for stage, seconds in stages.items():
         print(f"{stage:14}{seconds:9.2f}{seconds / total:9.0%}")
     print(f"{'all':14}{total:9.2f}")
+    for work in ours[0]["beside_s"]:
+        print(f"in another thread: {work} {median(run['beside_s'][work] for run in ours):.2f} s")
     for group in (TONE_STAGES, PATTERN_STAGES):
-        shares = [sum(run["stages_s"][stage] for stage in group) / sum(run["stages_s"].values()) for run in ours]
-        print(f"{' + '.join(group)}: {median(shares):.0%} of the whole")
+        waited = median(spent(run["stages_s"], group) / spent(run["stages_s"]) for run in ours)
+        worked = median(both(run, group) / both(run) for run in ours)
+        print(f"{' + '.join(group)}: {waited:.0%} of the time, {worked:.0%} of the work in all threads")
+
+
+def spent(seconds: dict[str, float], names: tuple[str, ...] | None = None) -> float:
+    """Sum of some entries, of all of them without `names`."""
+    return sum(value for name, value in seconds.items() if names is None or name in names)
+
+
+def both(run: Run, names: tuple[str, ...] | None = None) -> float:
+    """Seconds of stages and of work beside them."""
+    return spent(run["stages_s"], names) + spent(run["beside_s"], names)
 
 
 if __name__ == "__main__":

@@ -102,7 +102,9 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     # What does not wait for the stages in between runs beside them; leaving the block waits for it.
     with ThreadPoolExecutor(1) as beside:
         footprint = 2 * settings.layer_height
-        painting = beside.submit(build_pyramids, mesh, model.textures, footprint, settings.texture_filter)
+        painting = beside.submit(
+            clock.timed, "texture", build_pyramids, mesh, model.textures, footprint, settings.texture_filter
+        )
         yield stage(0.05, "slicing")
         cut = slices(mesh, settings)
         yield stage(0.2, "contours")
@@ -112,7 +114,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         samples = _samples(lines, projector, settings)
         yield stage(0.4, "texture")
         pyramids = painting.result()
-        fit = beside.submit(seam_errors, lines, samples, projector)
+        fit = beside.submit(clock.timed, "seam errors", seam_errors, lines, samples, projector)
         yield stage(0.45, "tone")
         tone = _tone(lines, pyramids, settings)
         yield stage(0.5, "modulation")
@@ -129,6 +131,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     report = _report(model.name, mesh, cut, moves, settings)
     clock.stop()
     report |= {"pattern": pattern, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
+    report |= {"beside_s": clock.beside}
     report |= {"peak_rss_mb": peak_rss_mb(), "warnings": warnings}
     return DualColorPrint(settings, model.name, mesh, cut, outlines, moves, report, warnings)
 

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
 
 
 @dataclass
 class StageClock:
-    """Seconds by stage; a stage runs from `begin` to the next `begin` or to `stop`."""
+    """Seconds by stage; a stage runs from `begin` to the next `begin` or to `stop`.
+
+    Attributes:
+        seconds: of each stage, which add up to the job.
+        beside: of work done in another thread beside the stages.
+    """
 
     seconds: dict[str, float] = field(default_factory=dict)
+    beside: dict[str, float] = field(default_factory=dict)
     _stage: str = ""
     _since: float = 0.0
 
@@ -27,6 +36,13 @@ class StageClock:
             spent = perf_counter() - self._since
             self.seconds[self._stage] = self.seconds.get(self._stage, 0.0) + spent
         self._stage = ""
+
+    def timed(self, work: str, function: Callable[..., Result], *arguments: Any) -> Result:
+        """Call a function beside the stages and note its seconds."""
+        since = perf_counter()
+        result = function(*arguments)
+        self.beside[work] = perf_counter() - since
+        return result
 
 
 def peak_rss_mb() -> float:
