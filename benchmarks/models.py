@@ -70,7 +70,8 @@ def wrapped_uv(points: Floats, faces: Integers) -> Floats:
     around = np.arctan2(points[:, 1], points[:, 0])[faces] / (2 * np.pi)
     around -= np.rint(around - around[:, :1])
     upwards = points[:, 2][faces] / points[:, 2].max()
-    return np.stack([around, upwards], axis=2).reshape(-1, 2)
+    uv: Floats = np.stack([around, upwards], axis=2).reshape(-1, 2)
+    return uv
 
 
 def picture() -> NDArray[np.float32]:

@@ -89,7 +89,7 @@ def measured(name: str, folder: Path, slicer: str | None, repeat: int) -> dict[s
 def run_ours(model: Path, gcode: Path) -> Run:
     """One job of ours."""
     command = [sys.executable, str(HERE / "job.py"), str(model), str(gcode)]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
     figures: Run = json.loads(done.stdout)
     return figures
 
