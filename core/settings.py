@@ -24,7 +24,8 @@ def setting(
 ) -> Any:
     """Declare a field of `PrintSettings` with all that the panels and the validation need to know.
 
-    `low` and `high` are inclusive; `unit` is one of mm, mm/s, mm3, °C, °, s, %, g/cm3 or "" (a plain number).
+    `low` and `high` are inclusive; `unit` is one of mm, mm/s, mm3, mm3/s, ms, °C, °, s, %, g/cm3, per kg or "" (a plain
+    number).
     """
     metadata = {"description": description, "unit": unit, "low": low, "high": high, "choices": choices, "group": group}
     return field(default=default, metadata=metadata)
@@ -71,7 +72,7 @@ class PrintSettings:
     )
     flat_layers: int = setting(0, "Layers at the bottom that are printed without a wave", "", 0, 1000, group="pattern")
     chord_tolerance: float = setting(
-        0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
+        0.03, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
     )
 
     # Texture
@@ -121,6 +122,14 @@ class PrintSettings:
     tower_speed: float = setting(60.0, "Speed of the cleaning tower", "mm/s", 1.0, 300.0)
     first_layer_speed: float = setting(30.0, "Greatest extruding speed on the first layer", "mm/s", 1.0, 300.0)
     travel_speed: float = setting(150.0, "Speed of moves that do not extrude", "mm/s", 1.0, 300.0)
+    min_move_time: float = setting(
+        10.0,
+        "Curves of shorter moves are printed slower, for the printer's queue of moves not to run dry",
+        "ms",
+        0.0,
+        50.0,
+    )
+    max_volumetric_speed: float = setting(8.0, "Most plastic melted per second; 0 is no limit", "mm3/s", 0.0, 50.0)
 
     # Extrusion and retraction
     extrusion_multiplier: float = setting(1.0, "Factor on all extruded amounts", "", 0.5, 2.0)
@@ -137,6 +146,9 @@ class PrintSettings:
     filament_diameter_0: float = setting(1.75, "Diameter of the filament in tool 0", "mm", 1.0, 3.5, group="filament")
     filament_diameter_1: float = setting(1.75, "Diameter of the filament in tool 1", "mm", 1.0, 3.5, group="filament")
     filament_density: float = setting(1.04, "Density of the filament; ABS is 1.04", "g/cm3", 0.5, 5.0, group="filament")
+    filament_cost: float = setting(
+        25.0, "Price of the filament, in any currency", "per kg", 0.0, 10000.0, group="filament"
+    )
     nozzle_temperature_0: float = setting(230.0, "Temperature of tool 0", "°C", 0.0, 280.0, group="filament")
     nozzle_temperature_1: float = setting(230.0, "Temperature of tool 1", "°C", 0.0, 280.0, group="filament")
     bed_temperature: float = setting(110.0, "Temperature of the bed", "°C", 0.0, 130.0, group="filament")

@@ -84,6 +84,8 @@ SECTIONS = (
             "tower_speed",
             "first_layer_speed",
             "travel_speed",
+            "min_move_time",
+            "max_volumetric_speed",
         ),
     ),
     Section(
@@ -106,6 +108,7 @@ SECTIONS = (
             "filament_diameter_0",
             "filament_diameter_1",
             "filament_density",
+            "filament_cost",
             "nozzle_temperature_0",
             "nozzle_temperature_1",
             "bed_temperature",

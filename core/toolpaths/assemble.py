@@ -12,6 +12,7 @@ from ..slicing.outlines import starts
 from ..slicing.planes import Layers
 from .moves import Feature, Moves
 from .order import OrderedPaths
+from .speeds import extrusion_speeds
 
 # Paths that meet within this (mm) go on without a travel.
 TOUCHING = 1e-3
@@ -37,7 +38,7 @@ class Approach:
         return np.where(self.changes, 5, np.where(self.retracts, 3, self.travels.astype(np.int64))).astype(np.int64)
 
 
-def assemble(paths: OrderedPaths, layers: Layers, settings: PrintSettings) -> Moves:
+def assemble(paths: OrderedPaths, layers: Layers, settings: PrintSettings, single_color: bool = False) -> Moves:
     """All moves of the print.
 
     A tool change is: retract the old tool, hop, change and travel to the next path above the print, come down, prime.
@@ -46,12 +47,14 @@ def assemble(paths: OrderedPaths, layers: Layers, settings: PrintSettings) -> Mo
         paths: K paths in printing order.
         layers: the stack.
         settings: of the print.
+        single_color: print all layers with tool 0, for comparison.
     """
-    approach = _approach(paths, settings)
+    tool = np.zeros_like(paths.layer) if single_color else tool_of_layer(paths.layer, settings)
+    approach = _approach(paths, tool, settings)
     count = np.diff(paths.start)
     # A path of n points has n - 1 extruding moves after its approach.
     first_row = starts(approach.rows + count - 1)
-    table = _extrusions(paths, layers, first_row, settings)
+    table = _extrusions(paths, tool, layers, first_row, settings)
     _fill_approach(table, paths, layers, first_row[:-1], approach, settings)
     return table
 
@@ -61,18 +64,22 @@ def tool_of_layer(layer: IntArray, settings: PrintSettings) -> IntArray:
     return np.where(layer % 2 == 0, settings.black_tool, 1 - settings.black_tool).astype(np.int64)
 
 
-def _approach(paths: OrderedPaths, settings: PrintSettings) -> Approach:
+def _approach(paths: OrderedPaths, tool: IntArray, settings: PrintSettings) -> Approach:
     begin, end = paths.points[paths.start[:-1]], paths.points[paths.start[1:] - 1]
     distance = np.full(len(begin), np.inf)
     distance[1:] = np.hypot(*(begin[1:] - end[:-1]).T)
     changes = np.zeros(len(begin), dtype=bool)
-    changes[1:] = paths.layer[1:] != paths.layer[:-1]
+    changes[1:] = tool[1:] != tool[:-1]
+    rises = np.zeros(len(begin), dtype=bool)
+    rises[1:] = paths.layer[1:] != paths.layer[:-1]
     retracts = (distance > settings.retract_before_travel) & ~changes
     retracts[:1] = False
-    return Approach(changes, retracts, distance > TOUCHING)
+    return Approach(changes, retracts, (distance > TOUCHING) | rises)
 
 
-def _extrusions(paths: OrderedPaths, layers: Layers, first_row: IntArray, settings: PrintSettings) -> Moves:
+def _extrusions(
+    paths: OrderedPaths, tool_of_path: IntArray, layers: Layers, first_row: IntArray, settings: PrintSettings
+) -> Moves:
     """The table with all extruding rows filled in; approach rows are travels that do not move yet."""
     total = int(first_row[-1])
     path = np.repeat(np.arange(len(paths.layer)), np.diff(first_row))
@@ -83,15 +90,13 @@ def _extrusions(paths: OrderedPaths, layers: Layers, first_row: IntArray, settin
     tail = paths.start[path] + np.maximum(step, 0)
     point = np.where(extrudes, tail + 1, paths.start[path])
     layer = paths.layer[path]
-    tool = tool_of_layer(layer, settings)
+    tool = tool_of_path[path]
     width = np.where(extrudes, paths.width[tail], 0.0)
     height = np.where(extrudes, layers.height[layer], 0.0)
     along = np.diff(paths.points, axis=0)
     length = np.where(extrudes, np.append(np.hypot(along[:, 0], along[:, 1]), 0.0)[tail], 0.0)
     diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
     filament = length * width * height * settings.extrusion_multiplier / (np.pi / 4 * diameter**2)
-    speed = _speeds(settings)[paths.feature[path]]
-    speed = np.where(layer == 0, np.minimum(speed, settings.first_layer_speed), speed)
     return Moves(
         position=np.column_stack([paths.points[point], layers.top[layer]]),
         tool=tool,
@@ -99,18 +104,9 @@ def _extrusions(paths: OrderedPaths, layers: Layers, first_row: IntArray, settin
         layer=layer,
         width=width,
         height=height,
-        speed=np.where(extrudes, speed, settings.travel_speed),
+        speed=np.where(extrudes, extrusion_speeds(paths, layers, settings)[tail], settings.travel_speed),
         filament=filament,
     )
-
-
-def _speeds(settings: PrintSettings) -> FloatArray:
-    speed = np.full(len(Feature), settings.outline_speed)
-    speed[Feature.OUTER_WALL] = settings.wave_speed
-    speed[Feature.SKIN] = settings.skin_speed
-    speed[Feature.INFILL] = settings.infill_speed
-    speed[Feature.TOWER] = settings.tower_speed
-    return speed
 
 
 def _fill_approach(
