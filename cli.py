@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 COMMAND = "dualcolor"
 DONE, USER_ERROR, INTERRUPTED = 0, 1, 130
-OUTPUTS = ("gcode", "blend", "render", "report", "dump")
+OUTPUTS = ("gcode", "x3g", "blend", "render", "report", "dump")
 
 SUFFIXES = {"blend": ".blend", "render": ".png", "dump": ".npz"}
 
@@ -87,6 +87,7 @@ def make_parser() -> argparse.ArgumentParser:
     _add_settings(job)
     outputs = job.add_argument_group("outputs")
     outputs.add_argument("--gcode", type=Path, metavar="F.gcode", help="G-code for the Replicator 2X")
+    outputs.add_argument("--x3g", type=Path, metavar="F.x3g", help="what the Replicator 2X reads from its card")
     outputs.add_argument("--blend", type=Path, metavar="F.blend", help="Blender file with the model and its strands")
     outputs.add_argument("--render", type=Path, metavar="F.png", help="picture of the predicted print, by Cycles")
     outputs.add_argument("--report", type=Path, metavar="F.json", help="figures of the print")
@@ -159,7 +160,7 @@ def _outputs(args: argparse.Namespace) -> dict[str, Path]:
         args.out.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
-    suffixes = {"gcode": ".gcode", "blend": ".blend", "render": ".png", "report": ".json"}
+    suffixes = {"gcode": ".gcode", "x3g": ".x3g", "blend": ".blend", "render": ".png", "report": ".json"}
     return {kind: args.out / f"suzanne{suffix}" for kind, suffix in suffixes.items()}
 
 
@@ -217,13 +218,15 @@ def _write(
     files: OutputFiles,
     progress: _Progress,
 ) -> DualColorPrint:
-    from .core import pipeline
+    from .core import exports
 
     if "gcode" in paths:
         progress.show(1.0, "writing G-code")
-        result = pipeline.export_gcode(result, files.staged(paths["gcode"]))
+        result = exports.export_gcode(result, files.staged(paths["gcode"]))
+    if "x3g" in paths:
+        result = exports.export_x3g(result, files.staged(paths["x3g"]))
     if "dump" in paths:
-        pipeline.dump(result, files.staged(paths["dump"]))
+        exports.dump(result, files.staged(paths["dump"]))
     if "blend" in paths or "render" in paths:
         _show(result, obj, paths, files, progress)
     if "report" in paths:

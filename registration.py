@@ -6,12 +6,18 @@ import bpy
 
 from . import cli
 from .bridge import properties, results
-from .operators.export import DUALCOLOR_OT_export_gcode
+from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
 from .operators.render import DUALCOLOR_OT_render_prediction
 from .panels.sidebar import PANELS
 
-CLASSES = (DUALCOLOR_OT_generate, DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_render_prediction, *PANELS)
+CLASSES = (
+    DUALCOLOR_OT_generate,
+    DUALCOLOR_OT_export_gcode,
+    DUALCOLOR_OT_export_x3g,
+    DUALCOLOR_OT_render_prediction,
+    *PANELS,
+)
 
 
 def register() -> None:
@@ -36,3 +42,4 @@ def unregister() -> None:
 
 def _draw_export_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
     self.layout.operator(DUALCOLOR_OT_export_gcode.bl_idname, text="Dual-Color G-code (.gcode)")
+    self.layout.operator(DUALCOLOR_OT_export_x3g.bl_idname, text="Dual-Color X3G (.x3g)")

@@ -32,8 +32,9 @@ def main(model_path: str, gcode_path: str) -> dict[str, object]:
 
     load_package()
     import numpy as np
+    from dualcolor.core.exports import export_gcode
     from dualcolor.core.model import SurfaceModel, ToneImage
-    from dualcolor.core.pipeline import export_gcode, generate
+    from dualcolor.core.pipeline import generate
     from dualcolor.core.settings import PrintSettings
 
     imported = perf_counter()

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import shapely
 
 from .errors import MeshError
-from .files import write_file
 from .fill.paths import fill_paths
-from .gcode.writer import gcode_text
 from .mesh import triangulate
 from .model import FloatArray, SurfaceModel, TriangleMesh
 from .pattern.contours import Contours, contours
@@ -22,7 +19,7 @@ from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
 from .pattern.wave import WavedOutlines, modulated, tone_along_wall, waved
 from .printer import REPLICATOR_2X
-from .report import StageClock, header_lines, peak_rss_mb
+from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
 from .slicing.outlines import bounds
 from .slicing.slices import Slices, slices
@@ -212,41 +209,3 @@ def _report(name: str, mesh: TriangleMesh, cut: Slices, moves: Moves, settings: 
         "outline_spans": int((np.diff((moves.feature == Feature.OUTER_WALL).astype(np.int8)) > 0).sum()),
         "gcode": {"bytes": 0, "moves": len(moves.tool)},
     }
-
-
-def export_gcode(result: DualColorPrint, path: Path) -> DualColorPrint:
-    """Write the G-code file; returns the print with its report brought up to date.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    clock = StageClock()
-    clock.begin("gcode")
-    text = gcode_text(result.moves, result.settings, header_lines(result.report))
-    write_file(path, text)
-    clock.stop()
-    stages = {**result.report["stages_s"], **clock.seconds}
-    report = {**result.report, "stages_s": stages, "total_s": sum(stages.values()), "peak_rss_mb": peak_rss_mb()}
-    report["gcode"] = {"bytes": len(text), "moves": text.count(b"\nG1 ")}
-    return replace(result, report=report)
-
-
-def dump(result: DualColorPrint, path: Path) -> None:
-    """Write the outlines before and after the wave as .npz, for independent checks.
-
-    Arrays: layer_z (L,), loop_layer (M,), loop_start (M + 1,), and for each of N outline points base_xy, wave_xy,
-    phase (t before the layer's sign), depth (mm, peak to peak), tone, uv.
-    """
-    lines = result.outlines
-    np.savez_compressed(
-        path,
-        layer_z=result.slices.layers.top,
-        loop_layer=lines.layer,
-        loop_start=lines.start,
-        base_xy=lines.base,
-        wave_xy=lines.points,
-        phase=lines.phase,
-        depth=lines.depth,
-        tone=lines.tone,
-        uv=lines.uv,
-    )

@@ -1,4 +1,4 @@
-"""Export Replicator 2X G-code."""
+"""Export Replicator 2X G-code and X3G."""
 
 from __future__ import annotations
 
@@ -9,19 +9,15 @@ from bpy_extras.io_utils import ExportHelper
 
 from ..bridge.curves import source_of
 from ..bridge.properties import set_report
-from ..core.pipeline import export_gcode
+from ..core.exports import export_gcode, export_x3g
 from .generate import has_printable, printed
 from .job import JobOperator, Steps
 
 
-class DUALCOLOR_OT_export_gcode(JobOperator, ExportHelper, bpy.types.Operator):
-    """Write the toolpath of the object as it is now, generated anew if anything has changed since the last time"""
+class FileExport(JobOperator, ExportHelper):
+    """What both exports share; the class says the suffix, the writer and the report's entry."""
 
-    bl_idname = "dualcolor.export_gcode"
-    bl_label = "Export Replicator 2X G-code"
-    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
-    filename_ext = ".gcode"
-    filter_glob: bpy.props.StringProperty(default="*.gcode", options={"HIDDEN"})
+    kind = ""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -40,6 +36,31 @@ class DUALCOLOR_OT_export_gcode(JobOperator, ExportHelper, bpy.types.Operator):
         path = Path(bpy.path.abspath(self.filepath))
         result = yield from printed(obj, context.evaluated_depsgraph_get(), reuse=True)
         yield 0.97, "writing"
-        result = export_gcode(result, path)
+        result = WRITERS[self.kind](result, path)
         set_report(obj.dualcolor, result.report)
-        return f"{path.name}: {result.report['gcode']['bytes'] / 1e6:.1f} MB"
+        return f"{path.name}: {result.report[self.kind]['bytes'] / 1e6:.1f} MB"
+
+
+WRITERS = {"gcode": export_gcode, "x3g": export_x3g}
+
+
+class DUALCOLOR_OT_export_gcode(FileExport, bpy.types.Operator):
+    """Write the toolpath of the object as it is now, generated anew if anything has changed since the last time"""
+
+    bl_idname = "dualcolor.export_gcode"
+    bl_label = "Export Replicator 2X G-code"
+    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
+    kind = "gcode"
+    filename_ext = ".gcode"
+    filter_glob: bpy.props.StringProperty(default="*.gcode", options={"HIDDEN"})
+
+
+class DUALCOLOR_OT_export_x3g(FileExport, bpy.types.Operator):
+    """Write the X3G file that the printer reads from its card, generated anew if anything has changed"""
+
+    bl_idname = "dualcolor.export_x3g"
+    bl_label = "Export Replicator 2X X3G"
+    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
+    kind = "x3g"
+    filename_ext = ".x3g"
+    filter_glob: bpy.props.StringProperty(default="*.x3g", options={"HIDDEN"})

@@ -7,7 +7,7 @@ import bpy
 from ..bridge.curves import preview_of, source_of
 from ..bridge.mesh_input import WITH_SURFACE
 from ..bridge.properties import report_of, values_of
-from ..operators.export import DUALCOLOR_OT_export_gcode
+from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from ..operators.generate import DUALCOLOR_OT_generate
 from ..operators.job import JobOperator
 from ..operators.render import DUALCOLOR_OT_render_prediction
@@ -42,6 +42,7 @@ class DUALCOLOR_PT_main(_Tab, bpy.types.Panel):
         buttons.scale_y = 1.4
         buttons.operator(DUALCOLOR_OT_generate.bl_idname, icon="MOD_PHYSICS")
         buttons.operator(DUALCOLOR_OT_export_gcode.bl_idname, icon="EXPORT")
+        buttons.operator(DUALCOLOR_OT_export_x3g.bl_idname, icon="EXPORT")
         buttons.operator(DUALCOLOR_OT_render_prediction.bl_idname, icon="RENDER_STILL")
         if running := JobOperator.running:
             layout.progress(factor=running.share, text=running.stage)

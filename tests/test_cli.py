@@ -163,7 +163,7 @@ def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypa
     def full(*_):
         raise OutputError("the disk is full")
 
-    monkeypatch.setattr("dualcolor.core.pipeline.dump", full)
+    monkeypatch.setattr("dualcolor.core.exports.dump", full)
     command = ["print", box, *FAST, "--gcode", kept, "--dump", tmp_path / "box.npz"]
     assert refused(*command) == "error: the disk is full"
 

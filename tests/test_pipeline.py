@@ -5,12 +5,15 @@ import json
 import numpy as np
 import pytest
 from dualcolor.core.errors import MeshError, OutputError
-from dualcolor.core.pipeline import dump, export_gcode, generate, steps
+from dualcolor.core.exports import dump, export_gcode, export_x3g
+from dualcolor.core.pipeline import generate, steps
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.assemble import tool_of_layer
 from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.seams import seam_offsets
+from dualcolor.core.x3g.audit import audit
+from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.real_models import image_file, obj_model
 from dualcolor.tests.solids import box, cylinder, joined, lathe, picture
@@ -243,3 +246,11 @@ def test_real_models_convert_without_a_diagnostic(data, name, height, tmp_path):
     assert result.report["tool_changes"] == result.report["layers"] - 1
     assert np.ptp(result.outlines.tone) > 0.5
     assert convert(tmp_path / "out.gcode") == []
+
+
+def test_x3g_holds_the_print_and_is_reported(vase, tmp_path):
+    report = export_x3g(vase, tmp_path / "vase.x3g").report
+    commands = read_x3g((tmp_path / "vase.x3g").read_bytes())
+    assert report["x3g"]["bytes"] == (tmp_path / "vase.x3g").stat().st_size
+    assert (commands.code == 134).sum() >= vase.report["tool_changes"]
+    assert audit(commands) == []

@@ -1,0 +1,69 @@
+"""The files of a finished print: G-code, X3G, and a dump for independent checks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from .files import write_file
+from .gcode.writer import gcode_text
+from .pipeline import DualColorPrint
+from .report import StageClock, header_lines, peak_rss_mb
+from .x3g.writer import x3g_bytes
+
+
+def export_gcode(result: DualColorPrint, path: Path) -> DualColorPrint:
+    """Write the G-code file; returns the print with its report brought up to date.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    clock = StageClock()
+    clock.begin("gcode")
+    text = gcode_text(result.moves, result.settings, header_lines(result.report))
+    write_file(path, text)
+    clock.stop()
+    return _reported(result, clock, gcode={"bytes": len(text), "moves": text.count(b"\nG1 ")})
+
+
+def export_x3g(result: DualColorPrint, path: Path) -> DualColorPrint:
+    """Write the X3G file that the printer reads from its card; returns the print with its report brought up to date.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    clock = StageClock()
+    clock.begin("x3g")
+    data = x3g_bytes(result.moves, result.settings, result.name)
+    write_file(path, data)
+    clock.stop()
+    return _reported(result, clock, x3g={"bytes": len(data)})
+
+
+def _reported(result: DualColorPrint, clock: StageClock, **made: dict[str, int]) -> DualColorPrint:
+    stages = {**result.report["stages_s"], **clock.seconds}
+    times = {"stages_s": stages, "total_s": sum(stages.values()), "peak_rss_mb": peak_rss_mb()}
+    return replace(result, report={**result.report, **times, **made})
+
+
+def dump(result: DualColorPrint, path: Path) -> None:
+    """Write the outlines before and after the wave as .npz, for independent checks.
+
+    Arrays: layer_z (L,), loop_layer (M,), loop_start (M + 1,), and for each of N outline points base_xy, wave_xy,
+    phase (t before the layer's sign), depth (mm, peak to peak), tone, uv.
+    """
+    lines = result.outlines
+    np.savez_compressed(
+        path,
+        layer_z=result.slices.layers.top,
+        loop_layer=lines.layer,
+        loop_start=lines.start,
+        base_xy=lines.base,
+        wave_xy=lines.points,
+        phase=lines.phase,
+        depth=lines.depth,
+        tone=lines.tone,
+        uv=lines.uv,
+    )
