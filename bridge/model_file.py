@@ -48,7 +48,8 @@ def open_model(path: Path, object_name: str = "", up: str = "", height_mm: float
     chosen = _chosen_objects(path, object_name, joined=imported)
     turn = _turn(kind, up or UP_AXIS[kind])
     if imported or height_mm is not None or turn != Matrix():
-        chosen = [_baked(chosen, turn, object_name or chosen[0].name if len(chosen) == 1 else path.stem)]
+        name = path.stem if imported and not object_name else chosen[0].name
+        chosen = [_baked(chosen, turn, name)]
     if height_mm is not None:
         _scale_to_height(chosen[0], height_mm)
     return _activated(chosen[0])

@@ -66,10 +66,12 @@ def test_all_meshes_of_a_file_are_joined_with_their_pictures(tmp_path):
     bpy.ops.export_scene.gltf(filepath=str(path))
     model = model_of(open_model(path))
     np.testing.assert_allclose(extent(model), [4, 1, 1], atol=1e-5)
+    assert model.name == "two"
     left = model.vertices[model.corner_vertex[model.polygon_start[:-1]], 0] < 2
     tones = np.array([image.tone.mean() for image in model.textures])[model.polygon_texture]
     np.testing.assert_allclose(tones, np.where(left, 0, 1), atol=0.01)
-    assert len(model_of(open_model(path, object_name="box1")).polygon_start) == 13  # triangles of one box
+    alone = model_of(open_model(path, object_name="box1"))
+    assert alone.name == "box1" and len(alone.polygon_start) == 13  # triangles of one box
 
 
 def test_blend_keeps_units_and_modifiers_and_takes_the_active_mesh(tmp_path):
