@@ -20,7 +20,7 @@ from ..core.toolpaths.moves import Feature
 from .curves import STRANDS_KEY, new_curves, read_strands, set_drawing
 from .studio import add_backdrop, add_camera, add_lights, camera_axes
 
-BESIDE_THE_OBJECT = (Feature.TOWER, Feature.SKIRT)
+BESIDE_THE_OBJECT = (Feature.TOWER, Feature.SKIRT, Feature.SUPPORT, Feature.SUPPORT_INTERFACE)
 STUDIO_SIZE = 100.0
 
 
@@ -42,7 +42,7 @@ def render_prediction(
         samples: of each pixel at most; even surfaces get as few as 8.
         azimuth_deg: where the camera stands: 0 in front (-Y), positive to the right of it.
         elevation_deg: how far above the horizon it stands.
-        whole_plate: with the cleaning tower and the skirt; otherwise the object alone.
+        whole_plate: with the cleaning tower, the skirt and the supports; otherwise the object alone.
 
     Raises:
         PrintError: there are no strands to show.

@@ -114,12 +114,31 @@ class PrintSettings:
     tower_width: float = setting(16.0, "Width of the cleaning tower's W", "mm", 5.0, 60.0)
     tower_depth: float = setting(8.0, "Depth of the cleaning tower's W", "mm", 3.0, 60.0)
 
+    # Supports
+    support_enable: bool = setting(False, "Print supports under overhangs, each layer's in its own colour")
+    support_from: str = setting(
+        "everywhere", "Where supports may stand: on the bed only, or on the object too", choices=("bed", "everywhere")
+    )
+    support_threshold_angle: float = setting(
+        30.0, "Overhangs flatter than this, from the horizontal, are supported", "°", 5.0, 85.0
+    )
+    support_spacing: float = setting(2.5, "Distance of the lines of supports", "mm", 0.4, 20.0)
+    support_xy_distance: float = setting(
+        0.4, "Air between supports and the crests of the waved outline", "mm", 0.0, 10.0
+    )
+    support_z_distance: float = setting(
+        0.25, "Air between supports and the object above and below, in whole layers", "mm", 0.0, 5.0
+    )
+    support_interface_layers: int = setting(2, "Dense layers of supports right under the object", "", 0, 20)
+    support_interface_spacing: float = setting(0.8, "Distance of the lines in the dense layers", "mm", 0.2, 10.0)
+
     # Speed
     outline_speed: float = setting(40.0, "Speed of walls", "mm/s", 1.0, 300.0)
     wave_speed: float = setting(30.0, "Speed of the waved outline along its path", "mm/s", 1.0, 300.0)
     skin_speed: float = setting(60.0, "Speed of solid top and bottom fill", "mm/s", 1.0, 300.0)
     infill_speed: float = setting(80.0, "Speed of sparse fill", "mm/s", 1.0, 300.0)
     tower_speed: float = setting(60.0, "Speed of the cleaning tower", "mm/s", 1.0, 300.0)
+    support_speed: float = setting(60.0, "Speed of supports", "mm/s", 1.0, 300.0)
     first_layer_speed: float = setting(30.0, "Greatest extruding speed on the first layer", "mm/s", 1.0, 300.0)
     travel_speed: float = setting(150.0, "Speed of moves that do not extrude", "mm/s", 1.0, 300.0)
     min_move_time: float = setting(

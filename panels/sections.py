@@ -74,6 +74,20 @@ SECTIONS = (
         ("tower_type", "tower_distance", "tower_width", "tower_depth", "skirts", "skirt_distance"),
     ),
     Section(
+        "supports",
+        "Supports",
+        (
+            "support_enable",
+            "support_from",
+            "support_threshold_angle",
+            "support_spacing",
+            "support_xy_distance",
+            "support_z_distance",
+            "support_interface_layers",
+            "support_interface_spacing",
+        ),
+    ),
+    Section(
         "speed",
         "Speed",
         (
@@ -82,6 +96,7 @@ SECTIONS = (
             "skin_speed",
             "infill_speed",
             "tower_speed",
+            "support_speed",
             "first_layer_speed",
             "travel_speed",
             "min_move_time",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import IntArray
+from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Paths
 from .parallel import Shapes, in_chunks
@@ -35,8 +35,8 @@ def simplified(shapes: Shapes, tolerance_mm: float) -> Shapes:
     return result
 
 
-def offset(shapes: Shapes, distance_mm: float) -> Shapes:
-    """Polygons grown (or, below 0, shrunk) by a distance, with corners kept sharp; (N,) to (N,)."""
+def offset(shapes: Shapes, distance_mm: float | FloatArray) -> Shapes:
+    """Polygons grown (or, below 0, shrunk) by a distance or (N,) distances, with corners kept sharp; (N,) to (N,)."""
     grown: Shapes = shapely.buffer(shapes, distance_mm, join_style="mitre", mitre_limit=_MITRE_LIMIT)
     return grown
 

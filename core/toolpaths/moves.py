@@ -21,6 +21,8 @@ class Feature(IntEnum):
     INFILL = 5
     TOWER = 6
     SKIRT = 7
+    SUPPORT = 8
+    SUPPORT_INTERFACE = 9
 
 
 @dataclass(frozen=True)

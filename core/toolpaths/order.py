@@ -33,7 +33,7 @@ class OrderedPaths:
 
 
 def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
-    """Order all layers: tower and skirt first, then region by region, the nearest next; walls before fill.
+    """Order all layers: skirt, tower and supports first, then region by region, the nearest next; walls before fill.
 
     Args:
         paths: of all features and layers.
@@ -45,7 +45,7 @@ def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
     last = np.where(paths.closed, first, paths.start[1:] - 1)
     begin, end = _complex(paths.points[first]), _complex(paths.points[last])
     rank = _ranks(settings)[paths.feature]
-    # Skirt and tower carry negative islands: they come first so that a nozzle is primed before it meets the part.
+    # What is not the part carries negative islands: it comes first so that a nozzle is primed before it meets the part.
     order = np.lexsort((rank, paths.island, paths.layer))
     bounds = starts(np.bincount(paths.layer, minlength=int(paths.layer.max(initial=-1)) + 1))
     sequence: list[int] = []
@@ -60,9 +60,8 @@ def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
 def _ranks(settings: PrintSettings) -> IntArray:
     rank = np.zeros(len(Feature), dtype=np.int64)
     walls = [Feature.OUTER_WALL, Feature.INNER_WALL]
-    for place, feature in enumerate(
-        [*(walls if settings.outer_wall_first else walls[::-1]), Feature.SKIN, Feature.INFILL]
-    ):
+    inside = [*(walls if settings.outer_wall_first else walls[::-1]), Feature.SKIN, Feature.INFILL]
+    for place, feature in enumerate([*inside, Feature.SUPPORT, Feature.SUPPORT_INTERFACE]):
         rank[feature] = place
     return rank
 
@@ -94,7 +93,8 @@ def _order_layer(
             by_island.setdefault(int(paths.island[run[0]]), []).append(run)
     waiting = [island for island in sorted(by_island) if island >= 0]
     entries = np.array([begin[by_island[island][0][0]] for island in waiting])
-    planned = sorted(island for island in by_island if island < 0)
+    # Supports lie among the part: the nozzle is primed when it comes there.
+    planned = sorted((island for island in by_island if island < 0), key=lambda island: (island < -2, island))
     while planned or waiting:
         if planned:
             island = planned.pop(0)

@@ -1,0 +1,1 @@
+"""Supports: what holds up the overhangs while they are printed and is broken away afterwards."""

@@ -1,0 +1,141 @@
+"""The lines that supports are printed with: sparse ones that break away, close ones under the object."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ..fill.hatch import crossings, long_enough, rotated, spans
+from ..fill.joining import LinkLimits, joined
+from ..fill.parallel import Shapes, in_chunks
+from ..fill.walls import offset
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from ..toolpaths.moves import Feature, Paths
+from .overlay import GRID_MM, difference, intersection, nothing
+
+SUPPORT_ISLAND = -3
+# Lines run along X, and the close ones across them, so that they do not fall between.
+_ANGLE_DEG, _INTERFACE_ANGLE_DEG = 0.0, 90.0
+_NARROW = 1.0  # half the width, in spacings, below which a support gets a loop
+_LONGEST_LINK = 3.0  # in spacings, along the edge of the support
+_STRAIGHTNESS_MM = 0.01  # links that stray from the edge by more follow it
+
+
+@dataclass(frozen=True)
+class Areas:
+    """Areas of support to fill alike. S of them.
+
+    Attributes:
+        shapes: (S,) areas of centre lines.
+        layer: (S,) int64.
+        feature: SUPPORT or SUPPORT_INTERFACE.
+        spacing_mm: distance of the lines.
+        angle_deg: their direction.
+    """
+
+    shapes: Shapes
+    layer: IntArray
+    feature: Feature
+    spacing_mm: float
+    angle_deg: float
+
+
+def interface(found: Shapes, contact: Shapes, settings: PrintSettings) -> Shapes:
+    """(L,) the part of the supports that lies right under the object.
+
+    Args:
+        found: (L,) areas of support.
+        contact: (L,) what supports that end on each layer carry.
+        settings: `support_interface_layers` and `support_interface_spacing` are used.
+    """
+    count, layers = len(found), settings.support_interface_layers
+    rows = np.arange(count)[:, None] + np.arange(layers)
+    near = np.append(contact, shapely.Polygon())[np.minimum(rows, count)]
+
+    def chunk(areas: Shapes, carried: Shapes) -> tuple[Shapes]:
+        close = nothing(len(areas))
+        some = np.flatnonzero(~shapely.is_empty(carried).all(axis=1) & ~shapely.is_empty(areas))
+        # Grown by a spacing, so that narrow stripes under a slope join and thickened columns are covered.
+        whole = shapely.buffer(shapely.union_all(carried[some], axis=1), settings.support_interface_spacing)
+        close[some] = intersection(areas[some], whole)
+        return (close,)
+
+    if not layers:
+        return nothing(count)
+    (close,) = in_chunks(chunk, found, near)
+    return close
+
+
+def support_lines(found: Shapes, close: Shapes, settings: PrintSettings) -> Paths:
+    """Lines in all areas of support.
+
+    Args:
+        found: (L,) areas of support, for the centre lines.
+        close: (L,) the parts of them that carry the object directly.
+        settings: the supports' spacings and `extrusion_width` are used.
+
+    Returns:
+        Paths of feature SUPPORT and SUPPORT_INTERFACE on island `SUPPORT_ISLAND`.
+    """
+    width = settings.extrusion_width
+    (below,) = in_chunks(lambda areas, part: (difference(areas, offset(part, GRID_MM)),), found, close)
+    layer = np.arange(len(found))
+    wide, fine = settings.support_spacing, min(settings.support_interface_spacing, settings.support_spacing)
+    parts = []
+    # The first layer is dense, so that it holds on to the bed.
+    for rows, spacing, shapes, feature, angle in (
+        (layer[:1], fine, below, Feature.SUPPORT, _ANGLE_DEG),
+        (layer[1:], wide, below, Feature.SUPPORT, _ANGLE_DEG),
+        (layer, fine, close, Feature.SUPPORT_INTERFACE, _INTERFACE_ANGLE_DEG),
+    ):
+        parts += _filled(Areas(shapes[rows], rows, feature, spacing, angle), width)
+    return Paths.joined(parts)
+
+
+def _filled(areas: Areas, width: float) -> list[Paths]:
+    """Lines, and a loop around each part so narrow that they would not stand by themselves."""
+    parts, owner = shapely.get_parts(areas.shapes, return_index=True)
+    printable = shapely.length(parts) > 2 * width
+    parts, owner = parts[printable], owner[printable]
+    rough = shapely.simplify(parts, 0.1 * areas.spacing_mm)
+    narrow = shapely.is_empty(offset(rough, -_NARROW * areas.spacing_mm))
+    within = offset(parts[narrow], -width)  # its lines lie beside the loop's
+    inside = np.concatenate([parts[~narrow], within])
+    of_layer = np.concatenate([owner[~narrow], owner[narrow]])
+    return [_hatched(areas, inside, of_layer, width), _loops(areas, parts[narrow], owner[narrow], width)]
+
+
+def _hatched(areas: Areas, shapes: Shapes, owner: IntArray, width: float) -> Paths:
+    everywhere = np.ones(len(shapes))
+    angle, spacing = areas.angle_deg * everywhere, areas.spacing_mm * everywhere
+    cut = crossings(shapes, angle, spacing)
+    found = spans(cut)
+    limits = LinkLimits(_STRAIGHTNESS_MM, 2 * spacing, _LONGEST_LINK * spacing)
+    keep = long_enough(cut, found, width)
+    points, start, row = joined(cut, found, keep, 0 * everywhere, limits)
+    points = rotated(points, angle[row].repeat(np.diff(start)))
+    return _paths(areas, points, start, areas.layer[owner[row]], False, width)
+
+
+def _loops(areas: Areas, parts: Shapes, owner: IntArray, width: float) -> Paths:
+    rings = shapely.get_exterior_ring(parts)
+    points, ring = shapely.get_coordinates(rings, return_index=True)
+    closing = np.append(ring[1:] != ring[:-1], True)[: len(ring)]
+    counts = np.bincount(ring[~closing], minlength=len(rings))
+    start = np.concatenate([[0], np.cumsum(counts)])
+    return _paths(areas, points[~closing], start, areas.layer[owner], True, width)
+
+
+def _paths(areas: Areas, points: FloatArray, start: IntArray, layer: IntArray, closed: bool, width: float) -> Paths:
+    return Paths(
+        points=points,
+        start=start.astype(np.int64),
+        layer=layer.astype(np.int64),
+        feature=np.full(len(layer), int(areas.feature), dtype=np.int64),
+        island=np.full(len(layer), SUPPORT_ISLAND, dtype=np.int64),
+        closed=np.full(len(layer), closed),
+        width=np.full(len(points), width),
+    )

@@ -1,0 +1,108 @@
+"""Which areas of each layer hang over air, and where the support that they need has its top."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ..fill.parallel import Shapes, in_chunks
+from ..fill.walls import offset, simplified
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.planes import Layers
+from ..slicing.slices import Slices
+from .overlay import areas, gathered, nothing
+
+# Outlines are simplified by this much, mm, before layers are compared.
+TOLERANCE_MM = 0.02
+# Overhangs below this area (mm²) are roundings.
+_SMALLEST_MM2 = 0.02
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """What supports have to carry, by the layer on which the support ends. L layers.
+
+    Attributes:
+        area: (L,) where the object hangs over the support's top.
+        islands: (P,) polygons of the object that begin in the air.
+        island_layer: (P,) int64, the layer on which the support of each ends, not decreasing.
+        gap: layers of air between a support and the object.
+    """
+
+    area: Shapes
+    islands: Shapes
+    island_layer: IntArray
+    gap: int
+
+
+def contacts(cut: Slices, settings: PrintSettings) -> Contacts:
+    """Find the overhangs of all layers.
+
+    Args:
+        cut: the slices.
+        settings: `support_threshold_angle`, `support_z_distance` and `layer_height` are used.
+    """
+    gap = round(settings.support_z_distance / settings.layer_height)
+    hanging = overhangs(cut.regions, _reach(cut.layers, settings))
+    count = len(hanging)
+    shift = gap + 1  # an overhang of layer i lies on top of layer i - 1
+    area = nothing(count)
+    area[: max(count - shift, 0)] = hanging[shift:]
+    islands, layer = _islands(cut, hanging)
+    kept = layer >= shift
+    return Contacts(area, islands[kept], layer[kept] - shift, gap)
+
+
+def _reach(layers: Layers, settings: PrintSettings) -> FloatArray:
+    """(L,) mm, how far each layer may jut out over the one below."""
+    rise = np.diff(layers.plane, prepend=0.0)
+    return np.asarray(rise / np.tan(np.radians(settings.support_threshold_angle)))
+
+
+def overhangs(regions: Shapes, reach: FloatArray) -> Shapes:
+    """(L,) the parts of each layer that hang over air, wherever they jut out too far.
+
+    A layer that juts out less than the reach carries itself. Where one juts out farther, all of the part in the air is
+    an overhang, up to the edge that it hangs on, so that overhangs of neighbouring layers join.
+
+    Args:
+        regions: (L,) cross-sections.
+        reach: (L,) mm.
+    """
+    (outlines,) = in_chunks(lambda part: (simplified(part, TOLERANCE_MM),), regions)
+
+    def chunk(above: Shapes, below: Shapes, allowed: FloatArray) -> tuple[Shapes]:
+        held = offset(below, allowed)
+        shapely.prepare(held)
+        found = nothing(len(above))
+        rows = np.flatnonzero(~shapely.covers(held, above))
+        seeds = _sizeable(areas(shapely.difference(above[rows], held[rows])))
+        rows, seeds = rows[~shapely.is_empty(seeds)], seeds[~shapely.is_empty(seeds)]
+        jutting = areas(shapely.difference(above[rows], below[rows]))
+        around = offset(seeds, allowed[rows] + 2 * TOLERANCE_MM)
+        found[rows] = areas(shapely.intersection(jutting, around))
+        return (found,)
+
+    hanging = nothing(len(regions))
+    if len(regions) > 1:
+        (hanging[1:],) = in_chunks(chunk, outlines[1:], outlines[:-1], reach[1:])
+    return hanging
+
+
+def _sizeable(shapes: Shapes) -> Shapes:
+    """Without parts of next to no area."""
+    parts, owner = shapely.get_parts(shapes, return_index=True)
+    kept = shapely.area(parts) > _SMALLEST_MM2
+    return gathered(parts[kept], owner[kept], len(shapes))
+
+
+def _islands(cut: Slices, hanging: Shapes) -> tuple[Shapes, IntArray]:
+    """The sliced polygons that begin in the air, and the layer of each."""
+    candidates = (cut.polygon_layer > 0) & ~shapely.is_empty(hanging[cut.polygon_layer])
+    rows = np.flatnonzero(candidates)
+    layer = cut.polygon_layer[rows]
+    alone = ~shapely.intersects(cut.regions[layer - 1], cut.polygons[rows])
+    return cut.polygons[rows[alone]], layer[alone].astype(np.int64)

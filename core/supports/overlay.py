@@ -1,0 +1,47 @@
+"""Overlays of areas on a common grid, so that edges that coincide from layer to layer stay the same edges."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from ..fill.parallel import Shapes
+
+GRID_MM = 0.01
+"""Vertices of supports lie on this grid: overlays on it are exact, whatever the shapes have in common."""
+SIMPLIFY_MM = 0.04
+"""Areas of support may be off by this much, so that they do not gather vertices from layer to layer."""
+
+
+def difference(shapes: Shapes, others: Shapes | shapely.Geometry) -> Shapes:
+    """(N,) areas of the first shapes outside the second."""
+    return areas(shapely.difference(shapes, others, grid_size=GRID_MM))
+
+
+def intersection(shapes: Shapes, others: Shapes | shapely.Geometry) -> Shapes:
+    """(N,) areas in both."""
+    return areas(shapely.intersection(shapes, others, grid_size=GRID_MM))
+
+
+def areas(shapes: Shapes | shapely.Geometry) -> Shapes:
+    """(N,) shapes without the lines and points where shapes only touch."""
+    result: Shapes = np.atleast_1d(np.asarray(shapes, dtype=object))
+    mixed = shapely.get_type_id(result) == shapely.GeometryType.GEOMETRYCOLLECTION
+    mixed |= (shapely.get_dimensions(result) < 2) & ~shapely.is_empty(result)
+    if mixed.any():
+        result[mixed] = shapely.buffer(result[mixed], 0.0)
+    return result
+
+
+def nothing(count: int) -> Shapes:
+    """(N,) empty shapes."""
+    return np.full(count, shapely.Polygon(), dtype=object)
+
+
+def gathered(parts: Shapes, owner: np.ndarray[tuple[int, ...], np.dtype[np.int64]], count: int) -> Shapes:
+    """(N,) multipolygons of the parts by their owners, which are sorted; parts of one owner do not overlap."""
+    whole = nothing(count)
+    if len(parts):
+        rows, index = np.unique(owner, return_inverse=True)
+        whole[rows] = shapely.multipolygons(parts, indices=index)
+    return whole

@@ -1,0 +1,55 @@
+"""The supports of the whole print."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import shapely
+
+from ..fill.parallel import Shapes
+from ..model import FloatArray
+from ..pattern.contours import Contours
+from ..settings import PrintSettings
+from ..slicing.slices import Slices
+from ..toolpaths.moves import Paths
+from .columns import columns, standing_on_bed
+from .lines import interface, support_lines
+from .overhangs import contacts
+from .overlay import nothing
+from .room import taken_room
+from .stability import steady
+
+
+@dataclass(frozen=True)
+class Supports:
+    """The supports of a print of L layers.
+
+    Attributes:
+        paths: of feature SUPPORT and SUPPORT_INTERFACE, in the layers' own colours: they add no tool change.
+        covered: (L,) what they cover, as wide as their lines.
+    """
+
+    paths: Paths
+    covered: Shapes
+
+
+def supports(cut: Slices, lines: Contours, depth: FloatArray, settings: PrintSettings) -> Supports:
+    """Support all overhangs, or nothing without `support_enable`.
+
+    Args:
+        cut: the slices.
+        lines: contours of its outlines.
+        depth: (N,) mm, of the wave at each contour point.
+        settings: those of supports, and the extrusion width and layer heights.
+    """
+    if not settings.support_enable:
+        return Supports(Paths.empty(), nothing(len(cut.regions)))
+    needed = contacts(cut, settings)
+    taken = taken_room(cut, lines, depth, needed.gap, settings)
+    found = columns(needed.area, taken)
+    if settings.support_from == "bed":
+        found = standing_on_bed(found)
+    found = steady(found, needed, taken)
+    close = interface(found, needed.area, settings)
+    covered = shapely.buffer(found, settings.extrusion_width / 2, quad_segs=2)
+    return Supports(support_lines(found, close, settings), covered)

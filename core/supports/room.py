@@ -1,0 +1,70 @@
+"""Where supports must not be: the waved walls with some air around them."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from ..fill.parallel import Shapes, in_chunks
+from ..fill.walls import offset, simplified
+from ..model import FloatArray
+from ..pattern.contours import Contours
+from ..settings import PrintSettings
+from ..slicing.slices import Slices
+from ..toolpaths.outer_wall import inside_of_wall
+from .overlay import GRID_MM, SIMPLIFY_MM, gathered
+
+# The object's outlines may differ from the true ones by this much, mm.
+_TOLERANCE_MM = 0.03
+# Distances are longer by all that the shapes may be off.
+_MARGIN_MM = 2 * _TOLERANCE_MM + 2 * SIMPLIFY_MM + 2 * GRID_MM
+
+
+def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settings: PrintSettings) -> Shapes:
+    """(L,) where the object leaves no room for the centre lines of supports.
+
+    That is, on the same layer, all that is nearer to the waved outline than the distance asked for, and on the layers
+    of air above and below all that would touch a strand.
+
+    Args:
+        cut: the slices.
+        lines: contours of its outlines.
+        depth: (N,) mm, of the wave at each contour point, peak to peak.
+        gap: layers of air between a support and the object, above and below.
+        settings: `extrusion_width` and `support_xy_distance` are used.
+    """
+    # What lies inside the line through the valleys of the opposite wave lies inside the line through the crests.
+    outside = inside_of_wall(lines, -depth, np.zeros_like(depth), len(cut.polygons), _TOLERANCE_MM)
+    parts, owner = shapely.get_parts(outside, return_index=True)
+    layer = cut.polygon_layer[owner]
+    order = np.argsort(layer, kind="stable")
+    crests = gathered(parts[order], layer[order], len(cut.regions))
+    width = settings.extrusion_width
+
+    def chunk(crest: Shapes, sliced: Shapes) -> tuple[Shapes, Shapes]:
+        # The smooth contour leaves the surface in sharp notches, so both count; both are as wide as their strands.
+        strands = offset(crest, width + _MARGIN_MM)
+        surface = offset(simplified(sliced, _TOLERANCE_MM), width / 2 + _MARGIN_MM)
+        touching = shapely.union(strands, surface)
+        beside = offset(touching, settings.support_xy_distance)
+        return simplified(touching, _TOLERANCE_MM), simplified(beside, _TOLERANCE_MM)
+
+    touching, beside = in_chunks(chunk, crests, cut.regions)
+    return _with_neighbours(beside, touching, gap)
+
+
+def _with_neighbours(beside: Shapes, touching: Shapes, gap: int) -> Shapes:
+    """(L,) a layer's own areas and those of the layers up to `gap` above and below."""
+    taken = beside.copy()
+    for step in (*range(-gap, 0), *range(1, gap + 1)):
+        row = np.arange(max(-step, 0), len(taken) - max(step, 0))
+
+        def chunk(whole: Shapes, more: Shapes) -> tuple[Shapes]:
+            result = whole.copy()
+            # Steep walls stay within the distance to the sides.
+            rows = np.flatnonzero(~shapely.covers(whole, more))
+            result[rows] = shapely.union(whole[rows], more[rows])
+            return (result,)
+
+        (taken[row],) = in_chunks(chunk, taken[row], touching[row + step])
+    return taken

@@ -1,0 +1,97 @@
+"""Columns that are too small: those not worth a support are dropped, the others made thick enough to stand."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from ..fill.parallel import Shapes, in_chunks
+from ..fill.walls import offset, simplified
+from ..model import BoolArray, FloatArray, IntArray
+from .overhangs import Contacts
+from .overlay import SIMPLIFY_MM, difference, gathered
+
+# Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
+_WORTHWHILE_MM2 = 3.0
+# The least cross-section of a column, mm²: a round one of 4 mm.
+_STABLE_MM2 = 12.5
+# Nothing narrower than twice this, mm, is printed.
+_HALF_LEAST_WIDTH_MM = 0.15
+_ARC_SEGMENTS = 4
+_LAYER_SHIFT_MM = 1000.0  # more than the bed: sets the layers apart in the plane for a single search
+
+
+def steady(found: Shapes, needed: Contacts, taken: Shapes) -> Shapes:
+    """(L,) columns that are worth printing and can stand.
+
+    Args:
+        found: (L,) areas of support.
+        needed: what they carry.
+        taken: (L,) where the object leaves no room.
+    """
+    parts, layer = shapely.get_parts(found, return_index=True)
+    if not len(parts):
+        return found
+    column = _columns_of(parts, layer)
+    largest = np.zeros(int(column.max()) + 1)
+    np.maximum.at(largest, column, shapely.area(parts))
+    island = np.zeros(len(largest), dtype=bool)
+    island[column[_under(parts, layer, needed.islands, needed.island_layer)]] = True
+    kept = (largest >= _WORTHWHILE_MM2) | island
+    growth = np.maximum(np.sqrt(_STABLE_MM2 / np.pi) - np.sqrt(largest / np.pi), 0.0)
+    chosen = kept[column]
+    return _thickened(parts[chosen], layer[chosen], growth[column[chosen]], len(found), taken)
+
+
+def _columns_of(parts: Shapes, layer: IntArray) -> IntArray:
+    """(P,) number of the column that each part belongs to: parts that touch from layer to layer are one."""
+    upper, lower = _pairs(parts, layer, parts, layer - 1)
+    label = np.arange(len(parts))
+    while True:
+        least = label.copy()
+        np.minimum.at(least, upper, label[lower])
+        np.minimum.at(least, lower, label[upper])
+        least = least[least]
+        if np.array_equal(least, label):
+            number: IntArray = np.unique(label, return_inverse=True)[1].astype(np.int64)
+            return number
+        label = least
+
+
+def _under(parts: Shapes, layer: IntArray, islands: Shapes, island_layer: IntArray) -> IntArray:
+    """The parts that lie under an island."""
+    under: IntArray = np.unique(_pairs(parts, layer, islands, island_layer)[1])
+    return under
+
+
+def _pairs(parts: Shapes, layer: IntArray, others: Shapes, other_layer: IntArray) -> tuple[IntArray, IntArray]:
+    """(other, part) of all that overlap on the same layer."""
+    tree = shapely.STRtree(_set_apart(parts, layer))
+    other, part = tree.query(_set_apart(others, other_layer), predicate="intersects")
+    return other.astype(np.int64), part.astype(np.int64)
+
+
+def _set_apart(shapes: Shapes, layer: IntArray) -> Shapes:
+    points, owner = shapely.get_coordinates(shapes, return_index=True)
+    moved: FloatArray = points + np.column_stack([layer[owner] * _LAYER_SHIFT_MM, np.zeros(len(owner))])
+    copies: Shapes = shapely.set_coordinates(shapes.copy(), moved)
+    return copies
+
+
+def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, taken: Shapes) -> Shapes:
+    """(L,) the parts grown, clipped again, without what is too narrow for a line."""
+    grown = parts.copy()
+    thin: BoolArray = growth > 0
+    grown[thin] = shapely.buffer(parts[thin], growth[thin], quad_segs=_ARC_SEGMENTS)
+    grown[thin] = difference(grown[thin], taken[layer[thin]])
+
+    def chunk(shapes: Shapes) -> tuple[Shapes]:
+        core = offset(shapes, -_HALF_LEAST_WIDTH_MM)
+        opened = shapely.buffer(core, _HALF_LEAST_WIDTH_MM, quad_segs=_ARC_SEGMENTS)
+        return (simplified(opened, SIMPLIFY_MM),)
+
+    grown, owner = shapely.get_parts(grown, return_index=True)
+    whole = gathered(grown, layer[owner], count)
+    whole[layer[thin]] = shapely.buffer(whole[layer[thin]], 0.0)  # grown columns may have met
+    (opened,) = in_chunks(chunk, whole)
+    return opened
