@@ -183,6 +183,8 @@ def _warnings(cut: Slices, model: SurfaceModel, lines: Contours, samples: Sample
     warnings = []
     if cut.united_layers:
         warnings.append(f"outlines cross in {cut.united_layers} layers and were united there")
+    if cut.specks:
+        warnings.append(f"{cut.specks} outlines are smaller than a strand and are left out")
     if not model.textures and model.corner_tone is None:
         warnings.append("the object has no texture and no colour attribute: it prints in one even tone")
     thin = float((lines.width < 0.999 * lines.width.max()).mean()) if len(lines.width) else 0.0

@@ -124,6 +124,12 @@ def test_small_gaps_are_closed():
     assert areas(result) == pytest.approx(100.0, abs=0.5)
 
 
+def test_specks_that_hold_no_strand_are_left_out_and_counted():
+    result = cut(joined(box((0, 0, 0), (10, 10, 4)), box((12, 0, 0), (12.2, 0.2, 4)), box((14, 0, 0), (14.4, 0.4, 4))))
+    assert areas(result) == pytest.approx(100.16)
+    assert result.specks == len(result.layers)
+
+
 def test_a_sheet_has_no_inside():
     sheet = surface([[0, 0, 0], [10, 0, 0], [10, 0, 5], [0, 0, 5]], [[0, 1, 2], [0, 2, 3], [2, 1, 0], [3, 2, 0]])
     with pytest.raises(MeshError, match="no inside"):

@@ -17,7 +17,7 @@ from .planes import Layers, layer_stack
 from .regions import boundary_loops, crossing_layers, layer_regions, region_polygons
 from .union import united
 
-# Loops smaller than this hold no strand (mm²); they come from vertices that touch a plane.
+# Loops smaller than this (mm²) come from vertices that touch a plane.
 SMALLEST_AREA = 1e-3
 
 
@@ -33,6 +33,7 @@ class Slices:
         loop_polygon: (M,) the region that each loop bounds.
         regions: (L,) all of a layer's regions as one multipolygon.
         united_layers: how many layers had loops that cross and were united.
+        specks: how many loops were left out because a strand does not fit into them.
     """
 
     layers: Layers
@@ -42,6 +43,7 @@ class Slices:
     loop_polygon: IntArray
     regions: NDArray[np.object_]
     united_layers: int
+    specks: int
 
 
 def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
@@ -52,17 +54,20 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     """
     stack = layer_stack(float(mesh.vertices[:, 2].max()), settings)
     raw = link(intersect(mesh, stack.plane), stack.plane, settings.gap_closing_radius)
-    outlines, parent = _nested(cleaned(raw))
+    # A strand as round as it gets is as long around as its width says.
+    shortest = np.pi * settings.extrusion_width
+    whole, specks = cleaned(raw, shortest)
+    outlines, parent = _nested(whole)
     polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
     crossing = crossing_layers(polygons, polygon_layer, len(stack))
     if crossing.any():
         # Nesting says nothing about loops that cross: go back to the loops as they were cut.
-        outlines, parent = _nested(_united_where(cleaned(raw), crossing))
+        outlines, parent = _nested(_united_where(whole, crossing, shortest))
         polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
     if len(polygons) == 0:
         raise MeshError("the mesh has no inside to print", "give it a volume, for example with a Solidify modifier")
     regions = layer_regions(polygons, polygon_layer, len(stack))
-    return Slices(stack, outlines, polygons, polygon_layer, loop_polygon, regions, int(crossing.sum()))
+    return Slices(stack, outlines, polygons, polygon_layer, loop_polygon, regions, int(crossing.sum()), specks)
 
 
 def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:
@@ -70,14 +75,19 @@ def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:
     return kept, parent
 
 
-def _united_where(outlines: Outlines, crossing: NDArray[np.bool_]) -> Outlines:
+def _united_where(outlines: Outlines, crossing: NDArray[np.bool_], shortest: float) -> Outlines:
     parts = [outlines.selected(~crossing[outlines.layer])]
-    parts += [cleaned(united(outlines.selected(outlines.layer == layer))) for layer in np.flatnonzero(crossing)]
+    for layer in np.flatnonzero(crossing):
+        parts.append(cleaned(united(outlines.selected(outlines.layer == layer)), shortest)[0])
     return Outlines.joined(parts)
 
 
-def cleaned(outlines: Outlines) -> Outlines:
-    """Without segments of no length and loops of no area."""
+def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, int]:
+    """Without segments of no length, loops of no area and loops that are less than `shortest` mm long.
+
+    Returns:
+        The outlines, and how many loops with an area were too short.
+    """
     length = np.linalg.norm(outlines.ends - outlines.points, axis=1)
     keep = length > 1e-7
     count = sums(keep.astype(np.float64), outlines.start).astype(np.int64)
@@ -85,4 +95,7 @@ def cleaned(outlines: Outlines) -> Outlines:
         outlines.points[keep], starts(count), outlines.layer, outlines.face[keep], outlines.carried[keep]
     )
     shorter = shorter.selected(count >= 3)
-    return shorter.selected(np.abs(shorter.signed_area) > SMALLEST_AREA)
+    shorter = shorter.selected(np.abs(shorter.signed_area) > SMALLEST_AREA)
+    around = shorter.ends - shorter.points
+    long_enough = sums(np.hypot(around[:, 0], around[:, 1]), shorter.start) >= shortest
+    return shorter.selected(long_enough), int((~long_enough).sum())
