@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import shapely
 
 from .errors import MeshError
 from .fill.paths import fill_paths
@@ -24,14 +23,14 @@ from .settings import PrintSettings
 from .slicing.outlines import bounds
 from .slicing.slices import Slices, slices
 from .statistics import filament_use, print_time
+from .supports.paths import Supports, supports, with_supports
 from .texture.lookup import tone_at
 from .texture.pyramid import TexturePyramids, build_pyramids
 from .toolpaths.assemble import assemble
 from .toolpaths.moves import Feature, Moves, Paths
 from .toolpaths.order import ordered
 from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
-from .toolpaths.skirt import skirt_paths
-from .toolpaths.tower import tower_paths
+from .toolpaths.surroundings import ground, surrounding_paths
 
 Progress = tuple[float, str]
 # Outlines behind the wave may differ from the true ones by this much, mm.
@@ -120,8 +119,10 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         yield stage(0.6, "fill")
         inside = inside_of_wall(lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
         fill = fill_paths(cut.regions, inside, cut.polygon_layer, settings)
+        yield stage(0.7, "supports")
+        holding = supports(cut, lines, depth, settings)
         yield stage(0.75, "toolpaths")
-        moves = _moves(outlines, fill, cut, settings)
+        moves = _moves(outlines, fill, holding, cut, settings)
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
     warnings = _warnings(cut, model, lines, samples)
@@ -147,24 +148,15 @@ def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -
     return tone_along_wall(tone, lines, settings.wavelength)
 
 
-def _moves(outlines: WavedOutlines, fill: Paths, cut: Slices, settings: PrintSettings) -> Moves:
+def _moves(
+    outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, settings: PrintSettings
+) -> Moves:
     wall = outer_wall_paths(outlines)
-    occupied = bounds(outlines.points)
-    margin = settings.extrusion_width / 2
-    occupied += np.array([[-margin], [margin]])
-    tower = tower_paths(len(cut.layers), occupied, settings)
-    parts = [wall, fill, tower]
-    skirt = skirt_paths(_footprint(cut, tower), settings)
-    moves = assemble(ordered(Paths.joined([*parts, skirt]), settings), cut.layers, settings)
+    covered = with_supports(cut.regions, holding.covered)
+    around = surrounding_paths(ground(covered, wall, settings), cut.layers, settings)
+    moves = assemble(ordered(Paths.joined([wall, fill, holding.paths, around]), settings), cut.layers, settings)
     _check_reach(moves)
     return moves
-
-
-def _footprint(cut: Slices, tower: Paths) -> shapely.Geometry:
-    first = [cut.regions[0]]
-    if len(tower.layer):
-        first.append(shapely.polygons(tower.points[tower.start[0] : tower.start[1]]))
-    return shapely.union_all(first)
 
 
 def _check_reach(moves: Moves) -> None:

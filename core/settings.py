@@ -88,6 +88,9 @@ class PrintSettings:
 
     # Walls and fill
     extrusion_width: float = setting(0.4, "Width of an extruded line", "mm", 0.2, 1.2)
+    first_layer_extrusion_width: float = setting(
+        0.4, "Width of the first layer's lines around the object: skirt, brim, tower", "mm", 0.2, 1.2
+    )
     perimeters: int = setting(1, "Straight walls behind the waved outline", "", 0, 20)
     bottom_solid_layers: int = setting(3, "Solid layers at the bottom", "", 0, 100)
     top_solid_layers: int = setting(3, "Solid layers at the top", "", 0, 100)
@@ -107,12 +110,27 @@ class PrintSettings:
     seam_position: str = setting("rear", "Where outlines start and end", choices=("aligned", "rear"))
 
     # Adhesion and tower
+    brim_width: float = setting(0.0, "Width of the brim around the first layer; 0 is none", "mm", 0.0, 50.0)
     skirts: int = setting(1, "Loops of the skirt around the first layer", "", 0, 10)
     skirt_distance: float = setting(6.0, "Distance of the skirt from the object", "mm", 1.0, 50.0)
     tower_type: str = setting("w", "Cleaning tower that primes a nozzle after each tool change", choices=("w", "none"))
-    tower_distance: float = setting(8.0, "Distance of the cleaning tower from the object", "mm", 2.0, 100.0)
-    tower_width: float = setting(16.0, "Width of the cleaning tower's W", "mm", 5.0, 60.0)
-    tower_depth: float = setting(8.0, "Depth of the cleaning tower's W", "mm", 3.0, 60.0)
+    tower_placement: str = setting(
+        "auto",
+        "Where the tower stands: in free space near the object, or at tower_x, tower_y",
+        choices=("auto", "manual"),
+    )
+    tower_x: float = setting(60.0, "X of the tower's middle when it is placed by hand", "mm", -150.0, 150.0)
+    tower_y: float = setting(0.0, "Y of the tower's middle when it is placed by hand", "mm", -150.0, 150.0)
+    tower_rotation: float = setting(
+        0.0, "Direction of the tower's W; automatic placement also tries it across", "°", -180.0, 180.0
+    )
+    tower_distance: float = setting(
+        4.0, "Least distance of the tower and its brim from all else, when it is placed automatically", "mm", 1.0, 100.0
+    )
+    tower_brim_width: float = setting(3.0, "Width of the tower's own brim on the first layer", "mm", 0.0, 20.0)
+    purge_volume: float = setting(6.0, "Plastic that each layer of the tower takes, at least", "mm3", 0.5, 100.0)
+    ooze_shield: bool = setting(False, "Print a thin wall around the object that catches what the idle nozzle drips")
+    ooze_shield_distance: float = setting(2.0, "Distance of the ooze shield from the object", "mm", 0.5, 20.0)
 
     # Supports
     support_enable: bool = setting(False, "Print supports under overhangs, each layer's in its own colour")
@@ -137,7 +155,7 @@ class PrintSettings:
     wave_speed: float = setting(30.0, "Speed of the waved outline along its path", "mm/s", 1.0, 300.0)
     skin_speed: float = setting(60.0, "Speed of solid top and bottom fill", "mm/s", 1.0, 300.0)
     infill_speed: float = setting(80.0, "Speed of sparse fill", "mm/s", 1.0, 300.0)
-    tower_speed: float = setting(60.0, "Speed of the cleaning tower", "mm/s", 1.0, 300.0)
+    tower_speed: float = setting(80.0, "Speed of the cleaning tower", "mm/s", 1.0, 300.0)
     support_speed: float = setting(60.0, "Speed of supports", "mm/s", 1.0, 300.0)
     first_layer_speed: float = setting(30.0, "Greatest extruding speed on the first layer", "mm/s", 1.0, 300.0)
     travel_speed: float = setting(150.0, "Speed of moves that do not extrude", "mm/s", 1.0, 300.0)

@@ -70,8 +70,19 @@ SECTIONS = (
     ),
     Section(
         "tower",
-        "Tower and Skirt",
-        ("tower_type", "tower_distance", "tower_width", "tower_depth", "skirts", "skirt_distance"),
+        "Cleaning Tower and Ooze",
+        (
+            "tower_type",
+            "tower_placement",
+            "tower_x",
+            "tower_y",
+            "tower_rotation",
+            "tower_distance",
+            "tower_brim_width",
+            "purge_volume",
+            "ooze_shield",
+            "ooze_shield_distance",
+        ),
     ),
     Section(
         "supports",
@@ -86,6 +97,11 @@ SECTIONS = (
             "support_interface_layers",
             "support_interface_spacing",
         ),
+    ),
+    Section(
+        "adhesion",
+        "Adhesion",
+        ("brim_width", "skirts", "skirt_distance", "first_layer_extrusion_width"),
     ),
     Section(
         "speed",

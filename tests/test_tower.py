@@ -1,86 +1,316 @@
-"""The cleaning tower and the skirt: form, place, reach."""
+"""The cleaning tower, the brim, the ooze shield and the skirt: form, order, place, reach."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.errors import MeshError
+from dualcolor.core.errors import MeshError, SettingsError
 from dualcolor.core.printer import REPLICATOR_2X
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
+from dualcolor.core.slicing.planes import Layers, layer_stack
+from dualcolor.core.toolpaths.brim import brim_area, brim_paths
+from dualcolor.core.toolpaths.loops import Turn, on_layers
+from dualcolor.core.toolpaths.moves import Feature, Paths
+from dualcolor.core.toolpaths.order import ordered
+from dualcolor.core.toolpaths.placement import placed, turned
+from dualcolor.core.toolpaths.shield import shield_paths
 from dualcolor.core.toolpaths.skirt import skirt_paths
-from dualcolor.core.toolpaths.tower import tower_paths
+from dualcolor.core.toolpaths.surroundings import Ground, ground, surrounding_paths, tower_where_free
+from dualcolor.core.toolpaths.tower import tower_brim, tower_loops, tower_paths
 
 REACH = shapely.box(*REPLICATOR_2X.reach_min[:2], *REPLICATOR_2X.reach_max[:2])
 SETTINGS = PrintSettings()
 
 
-def bounds(*corners):
-    return np.array(corners, dtype=float).reshape(2, 2)
+def stack(layers: int, settings: PrintSettings = SETTINGS) -> Layers:
+    return layer_stack(layers * settings.layer_height, settings)
 
 
-def first_ring(paths):
-    return shapely.LinearRing(paths.points[: paths.start[1]])
+def loops_of(paths: Paths, feature: Feature, layer: int | None = None) -> list[np.ndarray]:
+    chosen = paths.feature == feature
+    if layer is not None:
+        chosen &= paths.layer == layer
+    return [paths.points[paths.start[path] : paths.start[path + 1]] for path in np.flatnonzero(chosen)]
 
 
-def test_the_same_closed_w_on_every_layer():
-    paths = tower_paths(7, bounds(-20, -20, 20, 20), SETTINGS)
-    assert paths.layer.tolist() == list(range(7))
-    assert paths.closed.all() and (paths.feature == Feature.TOWER).all() and (paths.island == -1).all()
-    assert len(paths.width) == len(paths.points) == paths.start[-1]
-    layers = paths.points.reshape(7, -1, 2)
-    assert (layers == layers[0]).all()
-    ring = first_ring(paths)
+def length(loop: np.ndarray) -> float:
+    return shapely.LinearRing(loop).length
+
+
+# The tower's form
+
+
+@pytest.mark.parametrize("height", [5.0, 54.0, 102.0, 150.0])
+@pytest.mark.parametrize("volume", [1.0, 6.0, 8.0, 30.0])
+@pytest.mark.parametrize("layer_height", [0.1, 0.25])
+def test_every_layer_purges_enough_and_little_more(height, volume, layer_height):
+    settings = SETTINGS.changed({"purge_volume": volume, "layer_height": layer_height})
+    loops = tower_loops(height, settings)
+    laid = sum(map(length, loops)) * settings.extrusion_width * layer_height
+    assert laid >= volume
+    stiff = length(tower_loops(height, settings.changed({"purge_volume": 0.5}))[0])
+    least = stiff * settings.extrusion_width * layer_height
+    assert laid <= max(least, volume) * 1.25  # no more than the purge, or the least tower that stands
+
+
+def test_the_w_is_closed_and_its_middle_leans_on_the_bar():
+    (loop,) = tower_loops(100.0, SETTINGS)
+    ring = shapely.LinearRing(loop)
     assert ring.is_simple and ring.is_ccw
-    assert 5 <= ring.length * SETTINGS.extrusion_width * SETTINGS.layer_height <= 8  # mm³ of purge a layer
-    lines = shapely.Polygon(ring).buffer(-SETTINGS.extrusion_width / 2)
-    assert lines.geom_type == "Polygon" and lines.area > 0  # its two lines stand side by side all along
-    teeth = shapely.Polygon(ring).convex_hull.difference(shapely.Polygon(ring))
-    assert len([part for part in teeth.geoms if part.area > 1]) == 3  # a W has three notches
+    inside = shapely.Polygon(ring)
+    # Two feet in front with a notch between them, and the bar joins the three tips behind.
+    (notch,) = [part for part in shapely.get_parts(inside.convex_hull.difference(inside)) if part.area > 1]
+    assert notch.bounds[1] == pytest.approx(loop[:, 1].min())
+    # Its middle leans on the bar: the two strands touch, and part the inside in two cells.
+    strand = ring.buffer(SETTINGS.extrusion_width / 2 + 0.01)
+    assert len(strand.interiors) == 2 and min(shapely.Polygon(cell).area for cell in strand.interiors) > 10
+    assert len(ring.buffer(SETTINGS.extrusion_width / 2 - 0.01).interiors) == 1
 
 
-@pytest.mark.parametrize(
-    ("occupied", "axis", "sign"),
-    [
-        ((-60, -30, 20, 30), 0, 1),
-        ((-20, -30, 60, 30), 0, -1),
-        ((-104, -60, 104, -20), 1, 1),
-        ((-104, 20, 104, 60), 1, -1),
-    ],
-)
-def test_tower_stands_where_there_is_room(occupied, axis, sign):
-    occupied = bounds(*occupied)
-    ring = first_ring(tower_paths(1, occupied, SETTINGS))
-    strand = ring.buffer(SETTINGS.extrusion_width / 2, join_style="mitre")
-    assert REACH.covers(ring.buffer(SETTINGS.extrusion_width / 2))
-    offset = np.array(strand.centroid.coords[0]) - occupied.mean(axis=0)
-    assert offset[axis] * sign > np.ptp(occupied, axis=0)[axis] / 2
-    gap = ring.buffer(SETTINGS.extrusion_width / 2).distance(shapely.box(*occupied.ravel()))
-    assert gap == pytest.approx(SETTINGS.tower_distance, abs=0.3)
+@pytest.mark.parametrize("height", [50.0, 100.0, 150.0])
+def test_it_is_stiff_both_ways(height):
+    """As a thin-walled column its slenderness, height over least radius of gyration, stays below 35."""
+    line = shapely.LinearRing(tower_loops(height, SETTINGS.changed({"purge_volume": 0.5}))[0])
+    points = np.array([line.interpolate(share, normalized=True).coords[0] for share in np.linspace(0, 1, 4001)[:-1]])
+    spread = np.linalg.eigvalsh(np.cov(points.T))
+    assert height / np.sqrt(spread.min()) < 35
+    assert spread.max() / spread.min() < 2
 
 
-def test_tower_stays_in_reach_beside_an_object_at_the_edge():
-    ring = first_ring(tower_paths(1, bounds(-100, 71, -50, 73), SETTINGS))
-    assert REACH.covers(ring.buffer(SETTINGS.extrusion_width / 2))
+def test_several_loops_lie_side_by_side():
+    settings = SETTINGS.changed({"purge_volume": 20.0})
+    loops = tower_loops(60.0, settings)
+    assert len(loops) == 4 or len(loops) == 3
+    for inner, outer in pairwise(loops):
+        assert shapely.Polygon(outer).contains(shapely.Polygon(inner))
+        assert shapely.LinearRing(outer).distance(shapely.LinearRing(inner)) == pytest.approx(0.4)
+
+
+def test_no_layer_is_left_out_and_the_start_corner_turns():
+    loops = tower_loops(100.0, SETTINGS)
+    paths = tower_paths(loops, 11, SETTINGS)
+    tower = paths.island >= Turn.TOWER
+    assert paths.layer[tower].tolist() == list(range(11))
+    assert paths.closed.all() and (paths.feature == Feature.TOWER).all()
+    starts = paths.points[paths.start[:-1]][tower]
+    corners = loops[0]
+    assert starts == pytest.approx(corners[np.arange(11) % 5])
+    # Each tool, which prints every other layer, comes to all corners as well.
+    assert len(np.unique(starts[0:10:2].round(6), axis=0)) == 5
+    for loop in loops_of(paths, Feature.TOWER)[-11:]:
+        assert length(loop) == pytest.approx(length(corners))
+
+
+@pytest.mark.parametrize("seam", ["rear", "aligned"])
+def test_the_order_leaves_the_tower_and_its_corners_alone(seam):
+    paths = tower_paths(tower_loops(100.0, SETTINGS), 6, SETTINGS)
+    order = ordered(paths, SETTINGS.changed({"seam_position": seam}))
+    begun = order.points[order.start[:-1]]
+    assert begun[-6:] == pytest.approx(paths.points[paths.start[:-1]][-6:])
+    away = [np.hypot(*order.points[first:last].T).max() for first, last in pairwise(order.start)]
+    brim = len(away) - 6
+    assert brim == 8 and away[:brim] == sorted(away[:brim], reverse=True)  # from the outside in, then the W
+    assert away[brim] < away[brim - 1]
+
+
+def test_the_towers_own_brim_is_only_on_the_bed():
+    settings = SETTINGS.changed({"tower_brim_width": 4.0, "first_layer_extrusion_width": 0.5})
+    loops = tower_loops(100.0, settings)
+    paths = tower_paths(loops, 3, settings)
+    assert np.bincount(paths.layer).tolist() == [9, 1, 1]
+    outermost = shapely.Polygon(tower_brim(loops, settings)[0])
+    assert shapely.LinearRing(loops[0]).distance(outermost.exterior) == pytest.approx(4.0, abs=0.1)
+    assert (paths.width[: paths.start[9]] == 0.5).all() and (paths.width[paths.start[9] :] == 0.4).all()
+    assert not tower_brim(loops, settings.changed({"tower_brim_width": 0.0}))
+
+
+# Its place
+
+
+OBJECTS = [
+    shapely.box(-20, -20, 20, 20),
+    shapely.box(-104, -60, 104, -20),
+    shapely.box(-104, 20, 104, 60),
+    shapely.box(60, -70, 104, 70),
+    shapely.MultiPolygon([shapely.box(-60, -40, -30, 40), shapely.box(30, -40, 60, 40)]),
+    shapely.Point(0, 0).buffer(65).difference(shapely.Point(0, 0).buffer(40)),
+]
+
+
+@pytest.mark.parametrize("obstacle", OBJECTS)
+@pytest.mark.parametrize("rotation", [0.0, 30.0])
+def test_it_stands_near_and_clear_of_all_else(obstacle, rotation):
+    settings = SETTINGS.changed({"tower_rotation": rotation})
+    loops = tower_where_free(obstacle, stack(400), settings)
+    outline = shapely.Polygon(tower_brim(loops, settings)[0]).buffer(0.2)
+    assert REACH.covers(outline.buffer(-0.01))
+    assert not obstacle.intersects(outline)
+    assert outline.convex_hull.distance(obstacle) >= settings.tower_distance - 0.05
+    # Half a step nearer to the middle, and it would be too near.
+    left, front, right, back = obstacle.bounds
+    way = np.array([(left + right) / 2, front + 0.6 * (back - front)]) - np.concatenate(loops).mean(axis=0)
+    if np.hypot(*way) > 3.0:
+        nearer = shapely.transform(outline.convex_hull, lambda points: points + way / np.hypot(*way))
+        assert nearer.distance(obstacle) < settings.tower_distance or not REACH.covers(nearer)
+
+
+def test_a_bay_that_is_wide_enough_holds_it():
+    bay = shapely.MultiPolygon([shapely.box(-60, -60, -30, 60), shapely.box(30, -60, 60, 60)])
+    center = np.concatenate(tower_where_free(bay, stack(100), SETTINGS)).mean(axis=0)
+    assert abs(center[0]) < 20 and abs(center[1]) < 20
+
+
+def test_the_same_place_every_time_whatever_the_rounding():
+    box = shapely.box(-20, -20, 20, 20)
+    nearly = shapely.box(-20 + 1e-11, -20, 20, 20 - 1e-11)
+    first, second = (tower_where_free(shape, stack(100), SETTINGS)[0] for shape in (box, nearly))
+    assert first == pytest.approx(second, abs=1e-6)
 
 
 def test_no_room_and_no_tower():
+    plate = shapely.box(-100, -70, 100, 70)
     with pytest.raises(MeshError, match="no room") as error:
-        tower_paths(3, bounds(-100, -70, 100, 70), SETTINGS)
+        tower_where_free(plate, stack(3), SETTINGS)
     assert "tower_type" in error.value.hint
-    assert not len(tower_paths(3, bounds(-100, -70, 100, 70), SETTINGS.changed({"tower_type": "none"})).layer)
-    assert not len(tower_paths(0, bounds(0, 0, 1, 1), SETTINGS).layer)
+    none = SETTINGS.changed({"tower_type": "none"})
+    assert tower_where_free(plate, stack(3), none) == []
+    assert not len(tower_paths([], 3, SETTINGS).layer)
+
+
+def test_placed_by_hand():
+    chosen = SETTINGS.changed({"tower_placement": "manual", "tower_x": 50, "tower_y": -30, "tower_rotation": 90})
+    (loop,) = tower_where_free(shapely.box(-20, -20, 20, 20), stack(100), chosen)
+    (upright,) = tower_loops(25.0, chosen)
+    assert loop == pytest.approx(upright @ np.array([[0, 1], [-1, 0]]) + [50, -30])
+    with pytest.raises(SettingsError, match="X 15, Y 0 meets the object") as error:
+        tower_where_free(shapely.box(-20, -20, 20, 20), stack(100), chosen.changed({"tower_x": 15, "tower_y": 0}))
+    assert "tower_x" in error.value.hint and "\n" not in str(error.value)
+    with pytest.raises(SettingsError, match="reach"):
+        tower_where_free(shapely.box(-20, -20, 20, 20), stack(100), chosen.changed({"tower_x": 100}))
+
+
+def test_turning():
+    assert turned(np.array([[1.0, 0.0], [0.0, 2.0]]), 90) == pytest.approx(np.array([[0.0, 1.0], [-2.0, 0.0]]))
+
+
+def test_nothing_on_the_bed_puts_it_in_the_middle():
+    x, y, _ = placed(np.array([[-5.0, -5], [5, -5], [5, 5], [-5, 5]]), shapely.Polygon(), SETTINGS)
+    assert abs(x) <= 1.5 and abs(y) <= 1.5
+
+
+# Brim
+
+
+def test_brim_loops_are_a_line_apart_from_the_outside_in():
+    settings = SETTINGS.changed({"brim_width": 3.0, "first_layer_extrusion_width": 0.6})
+    plate = shapely.box(-10, -10, 10, 10).difference(shapely.box(-5, -5, 5, 5))
+    paths = brim_paths(plate, settings)
+    assert (paths.layer == 0).all() and (paths.feature == Feature.BRIM).all() and (paths.width == 0.6).all()
+    rings = [shapely.LinearRing(loop) for loop in loops_of(paths, Feature.BRIM)]
+    assert [ring.distance(plate) for ring in rings] == pytest.approx([2.7, 2.1, 1.5, 0.9, 0.3], abs=0.02)
+    assert all(shapely.Polygon(ring).covers(plate) and ring.is_ccw for ring in rings)  # none in the hole
+    order = ordered(paths, settings)
+    assert np.diff([np.abs(order.points[first]).max() for first in order.start[:-1]]).max() < 0
+    strands = shapely.union_all([ring.buffer(0.3) for ring in rings])
+    assert brim_area(plate, settings).symmetric_difference(shapely.union(plate, strands).buffer(0)).area < 101
+    assert not len(brim_paths(plate, SETTINGS).layer)
+
+
+def test_brims_of_neighbours_grow_together():
+    settings = SETTINGS.changed({"brim_width": 4.0})
+    pair = shapely.MultiPolygon([shapely.box(-10, 0, -2, 8), shapely.box(2, 0, 10, 8)])
+    rings = [shapely.LinearRing(loop) for loop in loops_of(brim_paths(pair, settings), Feature.BRIM)]
+    for k, ring in enumerate(rings):
+        for other in rings[k + 1 :]:
+            assert ring.distance(other) > 0.38
+    assert len(rings) == 5 + 2 * 5  # together from 2 mm on
+    separate = [ring.centroid.x > 0 for ring in rings[5:]]
+    assert separate in ([True] * 5 + [False] * 5, [False] * 5 + [True] * 5)  # one part after the other
+
+
+# Ooze shield
+
+
+def test_shield_stands_on_every_layer_at_its_distance():
+    settings = SETTINGS.changed({"ooze_shield": True, "ooze_shield_distance": 3.0})
+    shadow = shapely.box(-10, -5, 10, 5)
+    paths = shield_paths(shadow, 7, settings)
+    assert paths.layer.tolist() == list(range(7)) and (paths.feature == Feature.OOZE_SHIELD).all()
+    for loop in loops_of(paths, Feature.OOZE_SHIELD):
+        ring = shapely.LinearRing(loop)
+        assert ring.distance(shadow) == pytest.approx(3.2, abs=0.1)
+        assert shapely.Polygon(ring).contains(shadow)
+    assert not len(shield_paths(shadow, 7, SETTINGS).layer)
+
+
+def test_repeated_layers_keep_every_path():
+    single = brim_paths(shapely.box(0, 0, 5, 5), SETTINGS.changed({"brim_width": 1.0}))
+    thrice = on_layers(single, 3, first=2)
+    assert thrice.layer.tolist() == [2] * 3 + [3] * 3 + [4] * 3
+    assert len(thrice.points) == thrice.start[-1] == 3 * single.start[-1]
+    assert (thrice.points[thrice.start[3] : thrice.start[6]] == single.points).all()
+    assert not len(on_layers(single, 0).layer)
+
+
+# All together
+
+
+def circle(radius: float, layer: int) -> Paths:
+    turn = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    points = (radius + 0.3 * np.cos(20 * turn))[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    none = np.zeros(1, dtype=np.int64)
+    feature = np.full(1, int(Feature.OUTER_WALL))
+    return Paths(points, np.array([0, 200]), none + layer, feature, none, none == 0, np.full(200, 0.4))
+
+
+@pytest.mark.parametrize("shield", [False, True])
+@pytest.mark.parametrize("brim", [0.0, 5.0])
+@pytest.mark.parametrize("placement", ["auto", "manual"])
+def test_nothing_crosses_anything_on_the_first_layer(shield, brim, placement):
+    wanted = {"ooze_shield": shield, "brim_width": brim, "skirts": 2, "tower_placement": placement, "tower_x": 45}
+    settings = SETTINGS.changed(wanted)
+    walls = Paths.joined([circle(12, 0), circle(16, 1), circle(9, 2)])
+    regions = np.array([shapely.Point(0, 0).buffer(radius + 0.2) for radius in (12, 16, 9)], dtype=object)
+    on_bed = ground(regions, walls, settings)
+    assert on_bed.first.covers(shapely.LineString(walls.points[:200]))
+    assert shapely.Polygon(on_bed.shadow.exterior).covers(shapely.MultiPoint(walls.points))
+    paths = surrounding_paths(on_bed, stack(3), settings)
+    every = Paths.joined([paths, walls])
+    rings = [
+        (feature, shapely.LinearRing(loop))
+        for feature in (Feature.SKIRT, Feature.BRIM, Feature.TOWER, Feature.OOZE_SHIELD, Feature.OUTER_WALL)
+        for loop in loops_of(every, feature, layer=0)
+    ]
+    assert {feature for feature, _ in rings} >= {Feature.SKIRT, Feature.TOWER, Feature.OUTER_WALL}
+    for k, (_, ring) in enumerate(rings):
+        for _, other in rings[k + 1 :]:
+            assert ring.distance(other) > 0.35  # side by side at the nearest
+    order = ordered(every, settings)
+    first = [Feature(feature) for feature in order.feature[order.layer == 0]]
+    wanted_order = [Feature.SKIRT, Feature.TOWER, Feature.BRIM, Feature.OOZE_SHIELD, Feature.OUTER_WALL]
+    assert list(dict.fromkeys(first)) == [feature for feature in wanted_order if feature in first]
+    assert order.feature[order.layer == 1][0] == Feature.TOWER
+    tower = [shapely.LinearRing(loop) for loop in loops_of(paths, Feature.TOWER)]
+    if placement == "auto":
+        assert min(ring.distance(on_bed.shadow) for ring in tower) >= settings.tower_distance
+
+
+# Skirt
 
 
 def test_skirt_keeps_its_distance():
     settings = SETTINGS.changed({"skirts": 3})
     footprint = shapely.union_all([shapely.box(-10, -10, 10, 10), shapely.box(18, -8, 26, 8)])
     paths = skirt_paths(footprint, settings)
-    assert paths.layer.tolist() == [0, 0, 0] and (paths.island == -2).all() and (paths.feature == Feature.SKIRT).all()
+    assert paths.layer.tolist() == [0, 0, 0] and (paths.feature == Feature.SKIRT).all()
     for path, distance in enumerate((7.0, 6.6, 6.2)):
         ring = shapely.LinearRing(paths.points[paths.start[path] : paths.start[path + 1]])
         assert ring.is_ccw and shapely.Polygon(ring).covers(footprint)
         assert ring.distance(footprint) == pytest.approx(distance, abs=0.15)
         assert paths.closed[path]
+    order = ordered(paths, settings)
+    assert (np.diff([np.abs(order.points[first]).max() for first in order.start[:-1]]) < 0).all()
 
 
 def test_skirt_without_room_or_wish():
@@ -93,3 +323,9 @@ def test_skirt_without_room_or_wish():
     assert not len(skirt_paths(shapely.Polygon(), SETTINGS).layer)
     apart = shapely.union_all([shapely.box(-50, 0, -40, 10), shapely.box(40, 0, 50, 10)])
     assert len(skirt_paths(apart, SETTINGS).layer) == 2
+
+
+def test_an_empty_ground_has_nothing_around_it():
+    empty = Ground(shapely.Polygon(), shapely.Polygon())
+    settings = SETTINGS.changed({"tower_type": "none", "ooze_shield": True, "brim_width": 3.0})
+    assert not len(surrounding_paths(empty, stack(3), settings).layer)

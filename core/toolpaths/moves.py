@@ -23,6 +23,9 @@ class Feature(IntEnum):
     SKIRT = 7
     SUPPORT = 8
     SUPPORT_INTERFACE = 9
+    BRIM = 10
+    RAFT = 11
+    OOZE_SHIELD = 12
 
 
 @dataclass(frozen=True)

@@ -8,17 +8,18 @@ from ..model import FloatArray, IntArray
 from ..pattern.grid import nearest
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
-from .moves import Paths
+from .moves import Feature, Paths
 
 
 def seam_offsets(paths: Paths, settings: PrintSettings) -> IntArray:
-    """(K,) which of its points each path starts at; 0 for open paths.
+    """(K,) which of its points each path starts at; 0 for open paths and for the tower.
 
     `rear` is the point farthest back (greatest Y); `aligned` starts at the rear on a loop's first layer and then
     stays as near as it can to a seam of the layer below.
     """
     offset = np.zeros(len(paths.layer), dtype=np.int64)
-    closed = np.flatnonzero(paths.closed)
+    # The tower turns its corner from layer to layer by itself.
+    closed = np.flatnonzero(paths.closed & (paths.feature != Feature.TOWER))
     if len(closed) == 0:
         return offset
     count = np.diff(paths.start)[closed]

@@ -3,82 +3,116 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
-from ..errors import MeshError
 from ..model import FloatArray
-from ..printer import REPLICATOR_2X
 from ..settings import PrintSettings
+from ..slicing.outlines import starts
+from .loops import Turn, exterior_rings, first_layer_loops, loop_points
 from .moves import Feature, Paths
 
-TOWER_ISLAND = -1
-STROKE_HEIGHT = 0.3  # of the W's arms, as a share of its depth; at 16 × 8 mm two lines are 1.4 mm apart
+MOST_LOOPS = 1000
+PROPORTION = 1.4  # width of the W over its depth: about equally stiff both ways
+LEAST_DEPTH_MM = 8.0
+SLENDERNESS = 10.0  # greatest height of the tower over its depth
+MITRE_LIMIT = 5.0
+_MORE = 1.001  # than the purge volume, whatever is rounded
 
 
-def tower_paths(layers: int, occupied: FloatArray, settings: PrintSettings) -> Paths:
-    """One closed W a layer, the same on all, beside the object where the bed has most room.
+def tower_loops(height: float, settings: PrintSettings) -> list[FloatArray]:
+    """The tower's footprint around the origin: one closed W, or several around each other, the innermost first.
 
-    The outline of the W's strokes is one loop of two lines side by side, so that it stands by itself, and every
-    corner of it presses a straggling thread off the nozzle.
+    A bar joins the ends of the W and its middle leans on the bar, so two closed cells stand like a box girder; five
+    long strokes with a corner at each end also cost less time than a folded outline. The depth is a tenth of the
+    height or more; it grows, and then the number of loops, until a layer holds `purge_volume`.
 
     Args:
-        layers: how many layers the print has.
-        occupied: (2, 2) mm, least and greatest XY that the object takes up, waves included.
-        settings: of the print.
+        height: mm, of the print.
+        settings: purge_volume, extrusion_width and layer_height are used.
 
     Returns:
-        `layers` paths of feature `TOWER` on island `TOWER_ISLAND`, or none with `tower_type` "none".
-
-    Raises:
-        MeshError: the bed has no room for the tower beside the object.
+        Counter-clockwise loops (N, 2) in mm.
     """
-    if settings.tower_type == "none" or layers == 0:
+    width = settings.extrusion_width
+    needed = settings.purge_volume / (width * settings.layer_height) * _MORE
+    depth = max(LEAST_DEPTH_MM, height / SLENDERNESS)
+    most = int(np.clip(needed / _length(_w(depth, width)), 1, MOST_LOOPS))
+    loops = _grown(_w(depth, width), width * np.arange(most))
+    count = max(1, int(np.searchsorted(np.cumsum([_length(loop) for loop in loops]), needed)))
+    for _ in range(3):
+        innermost, *others = (_length(loop) for loop in loops[:count])
+        # Outer loops are longer by as much whatever the size; all else is nearly proportional to the depth.
+        longer = sum(others) - (count - 1) * innermost
+        depth *= max(1.0, (needed - longer) / (count * innermost))
+        loops = _grown(_w(depth, width), width * np.arange(count))
+    return loops
+
+
+def tower_paths(loops: list[FloatArray], layers: int, settings: PrintSettings) -> Paths:
+    """All layers of the tower, each starting at the next corner, and its brim on the first layer.
+
+    Args:
+        loops: the footprint where it stands.
+        layers: how many layers the print has.
+        settings: tower_brim_width and the widths are used.
+
+    Returns:
+        Paths of feature `TOWER` in order of printing: brim from the outside in, then the loops from the inside out.
+    """
+    if not loops or layers <= 0:
         return Paths.empty()
-    outline = _placed(_w_outline(settings.tower_width, settings.tower_depth), occupied, settings)
-    count = len(outline)
-    return Paths(
-        points=np.tile(outline, (layers, 1)),
-        start=np.arange(layers + 1, dtype=np.int64) * count,
-        layer=np.arange(layers, dtype=np.int64),
-        feature=np.full(layers, Feature.TOWER, dtype=np.int64),
-        island=np.full(layers, TOWER_ISLAND, dtype=np.int64),
-        closed=np.ones(layers, dtype=bool),
-        width=np.full(layers * count, settings.extrusion_width),
+    brim = first_layer_loops(tower_brim(loops, settings), Feature.TOWER, Turn.TOWER_BRIM, _first_width(settings))
+    turned = [_started(loops, layer) for layer in range(layers)]
+    count = np.array([len(loop) for layer in turned for loop in layer], dtype=np.int64)
+    layer = np.repeat(np.arange(layers, dtype=np.int64), len(loops))
+    width = np.where(layer == 0, _first_width(settings), settings.extrusion_width)
+    tower = Paths(
+        points=np.concatenate([loop for layer in turned for loop in layer]),
+        start=starts(count),
+        layer=layer,
+        feature=np.full(len(count), int(Feature.TOWER), dtype=np.int64),
+        island=int(Turn.TOWER) + np.tile(np.arange(len(loops), dtype=np.int64), layers),
+        closed=np.ones(len(count), dtype=bool),
+        width=np.repeat(width, count),
     )
+    return Paths.joined([brim, tower])
 
 
-def _w_outline(width: float, depth: float) -> FloatArray:
-    """(10, 2) mm, counter-clockwise outline of a W within `width` × `depth`, its centre at the origin."""
-    stroke = STROKE_HEIGHT * depth
-    across = np.linspace(-width / 2, width / 2, 5)
-    lower = np.array([depth - stroke, 0.0, depth - stroke, 0.0, depth - stroke]) - depth / 2
-    below = np.column_stack([across, lower])
-    above = np.column_stack([across, lower + stroke])[::-1]
-    return np.concatenate([below, above])
+def tower_brim(loops: list[FloatArray], settings: PrintSettings) -> list[FloatArray]:
+    """Loops around the tower that hold it on the bed, the outermost first."""
+    width = _first_width(settings)
+    count = int(np.ceil(settings.tower_brim_width / width - 1e-9))
+    around = shapely.buffer(shapely.polygons(loops[-1]), width * np.arange(count, 0, -1), quad_segs=4)
+    return [loop_points(ring) for ring in exterior_rings(np.asarray(around))]
 
 
-def _placed(outline: FloatArray, occupied: FloatArray, settings: PrintSettings) -> FloatArray:
-    """The outline moved to the side with most room; beside the object's left or right it stands upright.
+def _first_width(settings: PrintSettings) -> float:
+    return settings.first_layer_extrusion_width
 
-    Raises:
-        MeshError: it fits on no side.
-    """
-    reach = np.array([REPLICATOR_2X.reach_min[:2], REPLICATOR_2X.reach_max[:2]])
-    half_line = settings.extrusion_width / 2
-    best_room = 0.0
-    best: FloatArray | None = None
-    for axis, side in ((0, 1), (0, 0), (1, 1), (1, 0)):  # right, left, back, front
-        turned = outline[:, ::-1] * (1.0, -1.0) if axis == 0 else outline
-        half_size = np.abs(turned).max(axis=0) + half_line
-        low, high = reach[0] + half_size, reach[1] - half_size
-        outward = 1.0 if side else -1.0
-        center = np.clip(occupied.mean(axis=0), low, high)
-        center[axis] = occupied[side, axis] + outward * (settings.tower_distance + half_size[axis])
-        room = outward * ((high if side else low)[axis] - center[axis])
-        if room >= best_room and (low <= high).all() and (best is None or room > best_room):
-            best_room, best = room, turned + center
-    if best is None:
-        raise MeshError(
-            "the object leaves no room on the bed for the cleaning tower beside it",
-            "make the object smaller, lower tower_distance, or set tower_type to none",
-        )
-    return best
+
+def _w(depth: float, line_width: float) -> FloatArray:
+    """(5, 2) mm, counter-clockwise: a W whose ends are joined by a bar, its middle a line's width from the bar."""
+    half = PROPORTION * depth / 2
+    x = half * np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+    y = np.array([depth / 2, -depth / 2, depth / 2 - line_width, -depth / 2, depth / 2])
+    return np.column_stack([x, y])
+
+
+def _length(loop: FloatArray) -> float:
+    return float(np.hypot(*(np.roll(loop, -1, axis=0) - loop).T).sum())
+
+
+def _grown(loop: FloatArray, distances: FloatArray) -> list[FloatArray]:
+    """The loop moved outwards by each distance."""
+    shape = shapely.polygons(loop)
+    grown = shapely.buffer(shape, distances, join_style="mitre", mitre_limit=MITRE_LIMIT)
+    rings = exterior_rings(np.asarray(grown))
+    # A buffer starts its rings anywhere: none of the innermost loop keeps the corners in their order.
+    return [loop if distance == 0 else loop_points(ring) for ring, distance in zip(rings, distances, strict=True)]
+
+
+def _started(loops: list[FloatArray], layer: int) -> list[FloatArray]:
+    """The loops of one layer: the innermost starts at the layer's turn of its corners, the others beside it."""
+    begin = loops[0][layer % len(loops[0])]
+    nearest = [int(np.argmin(np.hypot(*(loop - begin).T))) for loop in loops]
+    return [np.roll(loop, -first, axis=0) for loop, first in zip(loops, nearest, strict=True)]

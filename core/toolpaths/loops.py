@@ -1,0 +1,80 @@
+"""Rings of polygons as closed paths."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..model import FloatArray
+from .moves import Feature, Paths
+
+
+class Turn(IntEnum):
+    """Islands of what stands around the object, in their order of printing; each loop has an island of its own.
+
+    A nozzle draws the skirt or primes on the tower before it meets anything that matters. Between two turns there is
+    room for 10,000 loops; islands of the object are not negative.
+    """
+
+    SKIRT = -60_000
+    TOWER_BRIM = -50_000
+    TOWER = -40_000
+    BRIM = -30_000
+    OOZE_SHIELD = -20_000
+    RAFT = -10_000
+
+
+def exterior_rings(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
+    """The outer boundaries of (N,) Polygons or MultiPolygons, in their order, without the empty ones."""
+    parts = shapely.get_parts(shapes)
+    rings: NDArray[np.object_] = shapely.get_exterior_ring(parts[~shapely.is_empty(parts)])
+    return rings
+
+
+def loop_points(ring: shapely.Geometry) -> FloatArray:
+    """(N, 2) mm, counter-clockwise, the first point not repeated."""
+    points: FloatArray = shapely.get_coordinates(ring)[:-1]
+    return points if shapely.is_ccw(ring) else points[::-1]
+
+
+def first_layer_loops(loops: list[FloatArray], feature: Feature, turn: Turn, width: float) -> Paths:
+    """Closed paths on layer 0 that are printed in the order given.
+
+    Args:
+        loops: (N, 2) mm each.
+        feature: of all of them.
+        turn: of the first one; each that follows has the next greater number, as islands keep their order.
+        width: mm, of the lines.
+    """
+    if not loops:
+        return Paths.empty()
+    count = np.array([len(loop) for loop in loops], dtype=np.int64)
+    return Paths(
+        points=np.concatenate(loops),
+        start=np.concatenate([[0], np.cumsum(count)]).astype(np.int64),
+        layer=np.zeros(len(loops), dtype=np.int64),
+        feature=np.full(len(loops), int(feature), dtype=np.int64),
+        island=int(turn) + np.arange(len(loops), dtype=np.int64),
+        closed=np.ones(len(loops), dtype=bool),
+        width=np.full(int(count.sum()), width),
+    )
+
+
+def on_layers(paths: Paths, layers: int, first: int = 0) -> Paths:
+    """Paths of one layer repeated on `layers` layers from `first` on."""
+    lines, points = len(paths.layer), len(paths.points)
+    if not lines or layers <= 0:
+        return Paths.empty()
+    begin = (np.arange(layers, dtype=np.int64) * points)[:, None] + paths.start[:-1]
+    return Paths(
+        points=np.tile(paths.points, (layers, 1)),
+        start=np.append(begin.ravel(), layers * points).astype(np.int64),
+        layer=np.repeat(np.arange(first, first + layers, dtype=np.int64), lines),
+        feature=np.tile(paths.feature, layers),
+        island=np.tile(paths.island, layers),
+        closed=np.tile(paths.closed, layers),
+        width=np.tile(paths.width, layers),
+    )

@@ -1,0 +1,112 @@
+"""Where the cleaning tower stands: near the object, clear of everything, inside the reach of both nozzles."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from ..errors import MeshError, SettingsError
+from ..model import BoolArray, FloatArray
+from ..printer import REPLICATOR_2X
+from ..settings import PrintSettings
+
+_COARSE_MM = 2.0
+_FINE_MM = 0.25
+_TOUCHING_MM = 0.5  # where the user says where the tower stands, it may stand as near as this
+
+
+def placed(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintSettings) -> FloatArray:
+    """Where to move the tower, and how far to turn it.
+
+    Args:
+        footprint: (N, 2) mm, points of the tower and its brim around the origin; their hull is kept free.
+        obstacles: all that is printed elsewhere, seen from above, in mm.
+        settings: the tower's placement.
+
+    Returns:
+        (3,) X and Y of its middle in mm, and the angle in degrees.
+
+    Raises:
+        MeshError: the bed has no room for it.
+        SettingsError: it does not fit where the user wants it.
+    """
+    if settings.tower_placement == "manual":
+        return _as_wished(footprint, obstacles, settings)
+    angles = [settings.tower_rotation, settings.tower_rotation + 90.0]
+    hulls = [_hull(turned(footprint, angle)) for angle in angles]
+    shapely.prepare(obstacles)
+    target = _target(obstacles)
+    low, high = _reach()
+    grid = [np.arange(low[axis], high[axis] + _COARSE_MM, _COARSE_MM) for axis in (0, 1)]
+    places = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 2)
+    found = [_nearest_free(hull, places, target, obstacles, settings.tower_distance) for hull in hulls]
+    costs = [np.inf if place is None else _cost(place[None], target)[0] for place in found]
+    best = int(np.argmin(costs))
+    rough = found[best]
+    if rough is None:
+        raise MeshError(
+            "the bed has no room for the cleaning tower beside the object",
+            "make the object smaller, lower tower_distance or tower_brim_width, or set tower_type to none",
+        )
+    step = np.arange(-_COARSE_MM, _COARSE_MM + _FINE_MM / 2, _FINE_MM)
+    around = rough + np.stack(np.meshgrid(step, step, indexing="ij"), axis=-1).reshape(-1, 2)
+    fine = _nearest_free(hulls[best], around, target, obstacles, settings.tower_distance)
+    return np.array([*(rough if fine is None else fine), angles[best]])
+
+
+def turned(points: FloatArray, angle_deg: float) -> FloatArray:
+    """(N, 2) points turned counter-clockwise around the origin."""
+    cosine, sine = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    return np.asarray(points @ np.array([[cosine, sine], [-sine, cosine]]))
+
+
+def _as_wished(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintSettings) -> FloatArray:
+    where = f"the cleaning tower at X {settings.tower_x:g}, Y {settings.tower_y:g}"
+    mending = "change tower_x, tower_y or tower_rotation, or set tower_placement to auto"
+    place = np.array([[settings.tower_x, settings.tower_y]])
+    hull = _hull(turned(footprint, settings.tower_rotation))
+    if not _inside(hull, place)[0]:
+        raise SettingsError(f"{where} leaves the reach of both nozzles", mending)
+    if not _free(hull, place, obstacles, _TOUCHING_MM)[0]:
+        raise SettingsError(f"{where} meets the object or what is printed around it", mending)
+    return np.array([settings.tower_x, settings.tower_y, settings.tower_rotation])
+
+
+def _hull(points: FloatArray) -> FloatArray:
+    return np.asarray(shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(points)))[:-1])
+
+
+def _target(obstacles: shapely.Geometry) -> FloatArray:
+    """The middle of the object, a little to the rear, as that is where seams are."""
+    if obstacles.is_empty:
+        return np.zeros(2)
+    left, front, right, back = shapely.bounds(obstacles)
+    return np.array([(left + right) / 2, front + 0.6 * (back - front)])
+
+
+def _reach() -> tuple[FloatArray, FloatArray]:
+    return np.array(REPLICATOR_2X.reach_min[:2]), np.array(REPLICATOR_2X.reach_max[:2])
+
+
+def _cost(places: FloatArray, target: FloatArray) -> FloatArray:
+    """Way from the target; of equal ones the rightmost is best. Rounded, so that all machines choose alike."""
+    return np.asarray(np.round(np.hypot(*(places - target).T), 6) - 1e-9 * places[:, 0])
+
+
+def _nearest_free(
+    hull: FloatArray, places: FloatArray, target: FloatArray, obstacles: shapely.Geometry, distance: float
+) -> FloatArray | None:
+    places = places[_inside(hull, places)]
+    places = places[_free(hull, places, obstacles, distance)]
+    return places[np.argmin(_cost(places, target))] if len(places) else None
+
+
+def _inside(hull: FloatArray, places: FloatArray) -> BoolArray:
+    low, high = _reach()
+    return np.asarray((places + hull.min(axis=0) >= low).all(axis=1) & (places + hull.max(axis=0) <= high).all(axis=1))
+
+
+def _free(hull: FloatArray, places: FloatArray, obstacles: shapely.Geometry, distance: float) -> BoolArray:
+    if not len(places):
+        return np.zeros(0, dtype=bool)
+    return ~np.asarray(shapely.dwithin(obstacles, shapely.polygons(places[:, None] + hull), distance))

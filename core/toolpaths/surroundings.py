@@ -1,0 +1,100 @@
+"""All that is printed around the object: skirt, cleaning tower, brim and ooze shield, clear of each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.planes import Layers
+from .brim import brim_area, brim_paths
+from .loops import exterior_rings
+from .moves import Paths
+from .placement import placed, turned
+from .shield import shield_area, shield_paths
+from .skirt import skirt_paths
+from .tower import tower_brim, tower_loops, tower_paths
+
+_SHADOW_TOLERANCE_MM = 0.2
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What the object and its supports cover, seen from above, in mm.
+
+    Attributes:
+        shadow: all layers together, holes filled, waves included.
+        first: the first layer, as wide as its lines.
+    """
+
+    shadow: shapely.Geometry
+    first: shapely.Geometry
+
+
+def ground(regions: NDArray[np.object_], walls: Paths, settings: PrintSettings) -> Ground:
+    """Look at the object and its supports from above.
+
+    Args:
+        regions: (R,) Polygons or MultiPolygons, cross-sections of any layers of object and supports; those of the
+            first layer must be there, in the walls or in `regions[0]`.
+        walls: the waved outlines of all layers.
+        settings: wave_depth_max and extrusion_width are used.
+    """
+    rings = exterior_rings(shapely.simplify(regions, _SHADOW_TOLERANCE_MM, preserve_topology=False))
+    # Waves stand out by half their depth, and simplifying may have cut off as much as its tolerance.
+    margin = settings.wave_depth_max / 2 + _SHADOW_TOLERANCE_MM
+    shadow = shapely.union_all(shapely.buffer(shapely.polygons(rings), margin, quad_segs=2))
+    shadow = shapely.union_all(shapely.polygons(exterior_rings(np.array([shadow]))))
+    strips = shapely.buffer(_closed_lines(walls, np.flatnonzero(walls.layer == 0)), settings.extrusion_width / 2)
+    first = shapely.union_all([*regions[:1], *strips])
+    return Ground(shadow, first)
+
+
+def _closed_lines(paths: Paths, chosen: IntArray) -> NDArray[np.object_]:
+    points = [paths.points[paths.start[path] : paths.start[path + 1]] for path in chosen]
+    return np.array([shapely.linestrings(np.concatenate([line, line[:1]])) for line in points], dtype=object)
+
+
+def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -> Paths:
+    """Skirt, tower, brim and ooze shield of the whole print.
+
+    Raises:
+        MeshError: the bed has no room for the tower.
+        SettingsError: the tower does not fit where the user wants it.
+    """
+    shield = shield_paths(on_bed.shadow, len(layers), settings)
+    inside_shield = shield_area(on_bed.shadow, settings)
+    first = on_bed.first
+    if settings.ooze_shield:
+        inside = shapely.buffer(inside_shield, -settings.extrusion_width)
+        first = shapely.union(first, shapely.difference(inside_shield, inside))
+    brim = brim_paths(first, settings)
+    covered = brim_area(first, settings)
+    tower = tower_where_free(shapely.union(inside_shield, covered), layers, settings)
+    around = [covered]
+    if tower:
+        outermost = [*tower_brim(tower, settings), tower[-1]][0]
+        around.append(shapely.buffer(shapely.polygons(outermost), settings.first_layer_extrusion_width / 2))
+    skirt = skirt_paths(shapely.union_all(around), settings)
+    return Paths.joined([skirt, tower_paths(tower, len(layers), settings), brim, shield])
+
+
+def tower_where_free(obstacles: shapely.Geometry, layers: Layers, settings: PrintSettings) -> list[FloatArray]:
+    """The tower's loops where they stand; none without a tower.
+
+    Raises:
+        MeshError: the bed has no room for it.
+        SettingsError: it does not fit where the user wants it.
+    """
+    if settings.tower_type == "none" or not len(layers):
+        return []
+    loops = tower_loops(float(layers.top[-1]), settings)
+    outermost = [*tower_brim(loops, settings), loops[-1]][0]
+    half_line = max(settings.first_layer_extrusion_width, settings.extrusion_width) / 2
+    edge = shapely.buffer(shapely.polygons(outermost), half_line, join_style="mitre")
+    x, y, angle = placed(shapely.get_coordinates(edge), obstacles, settings)
+    return [turned(loop, angle) + np.array([x, y]) for loop in loops]
