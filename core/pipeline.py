@@ -113,6 +113,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         fit = beside.submit(clock.timed, "seam errors", seam_errors, lines, samples, projector)
         yield stage(0.45, "tone")
         tone = _tone(lines, pyramids, settings)
+        del painting, pyramids  # as large as the moves that are to come
         yield stage(0.5, "modulation")
         depth, set_back = modulated(lines, tone, settings)
         outlines = waved(lines, samples, tone, depth, set_back, settings)
