@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .breakdown import filament_report, single_color_seconds, time_report
 from .errors import MeshError
 from .fill.paths import fill_paths
 from .mesh import triangulate
@@ -22,7 +23,6 @@ from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
 from .slicing.outlines import bounds
 from .slicing.slices import Slices, slices
-from .statistics import filament_use, print_time
 from .supports.paths import Supports, supports, with_supports
 from .texture.lookup import tone_at
 from .texture.pyramid import TexturePyramids, build_pyramids
@@ -122,12 +122,16 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         fill = fill_paths(cut.regions, inside, cut.polygon_layer, settings)
         yield stage(0.7, "supports")
         holding = supports(cut, lines, depth, settings)
+        inner = Paths.joined([fill, holding.paths])
+        alone = beside.submit(clock.timed, "single color", single_color_seconds, outlines, inner, cut.layers, settings)
         yield stage(0.75, "toolpaths")
         moves = _moves(outlines, fill, holding, cut, settings)
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
+        single_color = alone.result()
     warnings = _warnings(cut, model, lines, samples)
     report = _report(model.name, mesh, cut, moves, settings)
+    report |= {"time_s": time_report(moves, settings, single_color), "filament": filament_report(moves, settings)}
     clock.stop()
     report |= {"pattern": pattern, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
     report |= {"beside_s": clock.beside}
@@ -149,9 +153,7 @@ def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -
     return tone_along_wall(tone, lines, settings.wavelength)
 
 
-def _moves(
-    outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, settings: PrintSettings
-) -> Moves:
+def _moves(outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, settings: PrintSettings) -> Moves:
     wall = outer_wall_paths(outlines)
     covered = with_supports(cut.regions, holding.covered)
     around = surrounding_paths(ground(covered, wall, settings), cut.layers, settings)
@@ -192,15 +194,12 @@ def _warnings(cut: Slices, model: SurfaceModel, lines: Contours, samples: Sample
 
 
 def _report(name: str, mesh: TriangleMesh, cut: Slices, moves: Moves, settings: PrintSettings) -> dict[str, Any]:
-    time = print_time(moves, settings)
     return {
         "name": name,
         "layers": len(cut.layers),
         "tool_changes": int((np.diff(moves.tool) != 0).sum()),
         "bounds_mm": mesh.bounds.tolist(),
         "settings": settings.as_dict(),
-        "time_s": time,
-        "filament": filament_use(moves, settings),
         "outline_spans": int((np.diff((moves.feature == Feature.OUTER_WALL).astype(np.int8)) > 0).sum()),
         "gcode": {"bytes": 0, "moves": len(moves.tool)},
     }

@@ -24,8 +24,8 @@ def setting(
 ) -> Any:
     """Declare a field of `PrintSettings` with all that the panels and the validation need to know.
 
-    `low` and `high` are inclusive; `unit` is one of mm, mm/s, mm3, mm3/s, ms, °C, °, s, %, g/cm3, per kg or "" (a plain
-    number).
+    `low` and `high` are inclusive; `unit` is one of mm, mm/s, mm/s2, mm3, mm3/s, ms, °C, °, s, %, g/cm3, per kg or ""
+    (a plain number).
     """
     metadata = {"description": description, "unit": unit, "low": low, "high": high, "choices": choices, "group": group}
     return field(default=default, metadata=metadata)
@@ -159,6 +159,9 @@ class PrintSettings:
     support_speed: float = setting(60.0, "Speed of supports", "mm/s", 1.0, 300.0)
     first_layer_speed: float = setting(30.0, "Greatest extruding speed on the first layer", "mm/s", 1.0, 300.0)
     travel_speed: float = setting(150.0, "Speed of moves that do not extrude", "mm/s", 1.0, 300.0)
+    max_curve_acceleration: float = setting(
+        1000.0, "Greatest sideways acceleration in curves; more is faster and shakes more", "mm/s2", 100.0, 20000.0
+    )
     min_move_time: float = setting(
         10.0,
         "Curves of shorter moves are printed slower, for the printer's queue of moves not to run dry",

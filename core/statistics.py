@@ -35,11 +35,7 @@ class _Segments:
 
 
 def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
-    """Seconds that the print moves, by trapezoids as the firmware plans them; heating and priming left out.
-
-    Speeds at the corners obey the instant speed change of each axis, that of the filament included, accelerations
-    those of the axes, and the printer can always stop at the end of its queue of moves. It stands still at tool
-    changes, where the carriage shifts from nozzle to nozzle.
+    """Seconds that the print moves, see `move_seconds`; heating and priming left out.
 
     Args:
         moves: the print.
@@ -49,18 +45,29 @@ def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
         `total`; `tool_change`, all that is not extruded between the last strand of one tool and the first of the
         next; `tower`, the strands of the cleaning tower. All in s.
     """
-    segments = _segments(moves)
-    if not len(segments.row):
-        return {"total": 0.0, "tool_change": 0.0, "tower": 0.0}
-    seconds = _trapezoid_seconds(segments, _node_speeds_squared(segments, moves.tool[segments.row]))
-    changing = _tool_change_rows(moves)[segments.row]
-    tower = moves.feature[segments.row] == Feature.TOWER
-    shifts = np.count_nonzero(np.diff(moves.tool)) * REPLICATOR_2X.nozzle_distance_mm / (TRAVEL_F / 60)
+    seconds = move_seconds(moves)
     return {
-        "total": float(seconds.sum()) + shifts,
-        "tool_change": float(seconds[changing].sum()) + shifts,
-        "tower": float(seconds[tower].sum()),
+        "total": float(seconds.sum()),
+        "tool_change": float(seconds[tool_change_rows(moves)].sum()),
+        "tower": float(seconds[moves.feature == Feature.TOWER].sum()),
     }
+
+
+def move_seconds(moves: Moves) -> FloatArray:
+    """(M,) s that each row takes, by trapezoids as the firmware plans them.
+
+    Speeds at the corners obey the instant speed change of each axis, that of the filament included, accelerations
+    those of the axes, and the printer can always stop at the end of its queue of moves. It stands still at tool
+    changes, where the carriage shifts from nozzle to nozzle. That a short queue slows the firmware down does not
+    appear here: `toolpaths/speeds.py` gives every line the time that it needs to stay filled.
+    """
+    seconds = np.zeros(len(moves.tool))
+    segments = _segments(moves)
+    if len(segments.row):
+        speeds = _node_speeds_squared(segments, moves.tool[segments.row])
+        seconds[segments.row] = _trapezoid_seconds(segments, speeds)
+    seconds[1:][np.diff(moves.tool) != 0] += REPLICATOR_2X.nozzle_distance_mm / (TRAVEL_F / 60)
+    return seconds
 
 
 def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
@@ -137,7 +144,7 @@ def _trapezoid_seconds(segments: _Segments, u: FloatArray) -> FloatArray:
     return seconds
 
 
-def _tool_change_rows(moves: Moves) -> BoolArray:
+def tool_change_rows(moves: Moves) -> BoolArray:
     """(M,) rows without a strand between the last strand of one tool and the first of the other."""
     strand = np.flatnonzero(moves.extrudes)
     switched = np.flatnonzero(np.diff(moves.tool)) + 1

@@ -115,6 +115,7 @@ SECTIONS = (
             "support_speed",
             "first_layer_speed",
             "travel_speed",
+            "max_curve_acceleration",
             "min_move_time",
             "max_volumetric_speed",
         ),

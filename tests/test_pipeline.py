@@ -190,8 +190,8 @@ def test_report_is_json_and_complete(vase, tmp_path):
     text = json.loads(json.dumps(report))
     for key in ("layers", "tool_changes", "bounds_mm", "settings", "pattern", "stages_s", "total_s", "peak_rss_mb"):
         assert key in text
-    assert set(text["time_s"]) == {"total", "tool_change", "tower"}
-    assert set(text["filament"]) == {"tool0_mm", "tool1_mm", "tool0_g", "tool1_g"}
+    assert {"total", "tool_change", "tower", "features", "heating", "single_color", "ratio"} <= set(text["time_s"])
+    assert {"tool0_mm", "tool1_mm", "tool0_g", "tool1_g", "cost"} <= set(text["filament"])
     assert set(text["pattern"]) == {"samples", "error_free", "imperceptible", "salient", "discarded"}
     assert text["gcode"]["bytes"] == (tmp_path / "vase.gcode").stat().st_size
     assert text["bounds_mm"][0][2] == 0.0

@@ -4,7 +4,8 @@ Why the waved wall is held back twice:
 
 *Curvature.* The firmware limits how much the speed of an axis may jump in a corner, not how fast a curve of many short
 chords is taken: at 30 mm/s a crest with 0.15 mm radius would ask for 6000 mm/s², and the belts answer with ringing. So
-v² / radius stays below the printer's acceleration.
+v² / radius stays below `max_curve_acceleration`, by default what the firmware grants an axis, 1000 mm/s². This, not
+`wave_speed`, decides how long a waved wall takes.
 
 *Rate of moves.* Sailfish keeps 16 moves in its queue. The much quoted 20 ms apply to a move that meets an empty queue
 (`ACCELERATION_MIN_SEGMENT_TIME`); below `ACCELERATION_SLOWDOWN_LIMIT` (4 to 8) queued moves it scales the speed down
@@ -41,14 +42,15 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, settings: PrintSetting
     Args:
         paths: K paths in printing order.
         layers: the stack.
-        settings: the speeds, min_move_time, max_volumetric_speed and extrusion_multiplier are used.
+        settings: the speeds and their limits and extrusion_multiplier are used.
     """
     path = np.repeat(np.arange(len(paths.layer)), np.diff(paths.start))
     layer = paths.layer[path]
     asked = feature_speeds(settings)[paths.feature[path]]
     asked = np.where(layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
     length = chord_lengths(paths)
-    limit = np.minimum(curve_limit(paths, length), move_time_limit(paths, length, settings.min_move_time / 1000))
+    curve = curve_limit(paths, length, settings.max_curve_acceleration)
+    limit = np.minimum(curve, move_time_limit(paths, length, settings.min_move_time / 1000))
     if settings.max_volumetric_speed > 0:
         section = paths.width * layers.height[layer] * settings.extrusion_multiplier
         limit = np.minimum(limit, settings.max_volumetric_speed / np.maximum(section, _SHORTEST_MM))
@@ -76,8 +78,8 @@ def chord_lengths(paths: OrderedPaths) -> FloatArray:
     return length
 
 
-def curve_limit(paths: OrderedPaths, length: FloatArray) -> FloatArray:
-    """(N,) mm/s at which a chord's sharper end takes all of the acceleration: v² · curvature = acceleration.
+def curve_limit(paths: OrderedPaths, length: FloatArray, acceleration: float) -> FloatArray:
+    """(N,) mm/s at which a chord's sharper end takes all of the acceleration (mm/s²): v² · curvature = acceleration.
 
     The curvature at a point is the turn there over the mean of both chords, so a corner between long lines, which the
     firmware slows down for by itself, hardly counts.
@@ -92,7 +94,6 @@ def curve_limit(paths: OrderedPaths, length: FloatArray) -> FloatArray:
     # A path's ends have no turn: they lie at rest or meet another path.
     turn[(length[:-2] < _SHORTEST_MM) | (length[1:-1] < _SHORTEST_MM)] = 0.0
     mean = (length[:-2] + length[1:-1]) / 2
-    acceleration = REPLICATOR_2X.acceleration_mm_s2[0]
     corner = np.full(len(length), np.inf)
     corner[1:-1] = np.where(turn > 0, np.sqrt(acceleration * mean / np.where(turn > 0, turn, 1.0)), np.inf)
     limit[:-1] = np.minimum(corner[:-1], corner[1:])

@@ -1,0 +1,155 @@
+"""Where the time and the plastic of a print go, what it costs, and how long it would take in a single colour."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import shapely
+
+from .model import BoolArray, FloatArray, IntArray
+from .pattern.wave import WavedOutlines
+from .settings import PrintSettings
+from .slicing.outlines import ranges, starts
+from .slicing.planes import Layers
+from .statistics import filament_use, move_seconds, tool_change_rows
+from .toolpaths.assemble import assemble
+from .toolpaths.moves import Feature, Moves, Paths
+from .toolpaths.order import ordered
+
+# Rules of thumb for an enclosed printer in a room of this temperature; they only tell how long to wait for the start.
+ROOM_C = 22.0
+BED_C_PER_S = 0.15
+NOZZLE_C_PER_S = 1.5
+# Nozzles wait at this temperature until the bed is hot.
+WARM_NOZZLE_C = 140.0
+# What a print in one colour has no use for.
+ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
+
+
+def time_report(moves: Moves, settings: PrintSettings, single_color: float | None = None) -> dict[str, Any]:
+    """All times of the report, in s.
+
+    Args:
+        moves: the print.
+        settings: of the print.
+        single_color: s that the same object takes in one colour, if known; see `single_color_seconds`.
+
+    Returns:
+        `total`, `tool_change` and `tower` of `print_time`; `features`, the seconds of each feature's strands, of
+        `travel` and `retract` without and of `tool_change` with all that changing takes, which add up to the total;
+        `heating`, which comes before the total; `single_color` and `ratio`, how many times as long ours takes.
+    """
+    seconds = move_seconds(moves)
+    changing = tool_change_rows(moves)
+    steady = np.bincount(moves.feature[~changing], seconds[~changing], minlength=len(Feature))
+    features = {feature.name.lower(): float(steady[feature]) for feature in Feature if steady[feature] > 0}
+    total = float(seconds.sum())
+    report: dict[str, Any] = {
+        "total": total,
+        "tool_change": float(seconds[changing].sum()),
+        "tower": float(seconds[moves.feature == Feature.TOWER].sum()),
+        "features": features | {"tool_change": float(seconds[changing].sum())},
+        "heating": heating_seconds(moves, settings),
+    }
+    if single_color is not None:
+        report |= {"single_color": single_color, "ratio": total / single_color if single_color > 0 else 1.0}
+    return report
+
+
+def heating_seconds(moves: Moves, settings: PrintSettings) -> float:
+    """About how long the printer heats before it prints: the bed first, then all nozzles that are used at once."""
+    nozzles = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
+    hottest = max((nozzles[tool] for tool in np.unique(moves.tool)), default=0.0)
+    bed = max(settings.bed_temperature - ROOM_C, 0.0) / BED_C_PER_S
+    return bed + max(hottest - (WARM_NOZZLE_C if bed > 0 else ROOM_C), 0.0) / NOZZLE_C_PER_S
+
+
+def progress(moves: Moves) -> FloatArray:
+    """(M,) share of the print's time, 0 to 1, that has passed before each row; ascending."""
+    seconds = move_seconds(moves)
+    passed = np.cumsum(seconds) - seconds
+    total = float(seconds.sum())
+    return np.asarray(np.clip(passed / total, 0.0, 1.0)) if total > 0 else passed
+
+
+def filament_report(moves: Moves, settings: PrintSettings) -> dict[str, Any]:
+    """Filament of each tool and what it costs.
+
+    Returns:
+        The keys of `filament_use`; `tool0_cost`, `tool1_cost` and `cost` in the currency of `filament_cost`;
+        `features_g`, grams by feature, retractions and priming left out; `tower_share` and `support_share` of that.
+    """
+    report: dict[str, Any] = dict(filament_use(moves, settings))
+    for tool in (0, 1):
+        report[f"tool{tool}_cost"] = report[f"tool{tool}_g"] / 1000 * settings.filament_cost
+    report["cost"] = report["tool0_cost"] + report["tool1_cost"]
+    diameter = np.where(moves.tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
+    grams = moves.filament * np.pi / 4 * diameter**2 * settings.filament_density / 1000
+    strand = moves.extrudes
+    by_feature = np.bincount(moves.feature[strand], grams[strand], minlength=len(Feature))
+    features = {feature.name.lower(): float(by_feature[feature]) for feature in Feature if by_feature[feature] > 0}
+    total = float(by_feature.sum())
+    report["features_g"] = features
+    for kind in ("tower", "support"):
+        weight = sum(grams for name, grams in features.items() if name.startswith(kind))
+        report[f"{kind}_share"] = weight / total if total > 0 else 0.0
+    return report
+
+
+def single_color_seconds(outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings) -> float:
+    """Seconds that `single_color_moves` take."""
+    return float(move_seconds(single_color_moves(outlines, paths, layers, settings)).sum())
+
+
+def single_color_moves(outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings) -> Moves:
+    """The same object by one tool: the outlines without their wave at the speed of walls, no tower, all else as it is.
+
+    The walls and the fill behind the outline stay where the wave lets them be, half a wave's depth farther inside than
+    a single colour asks for, which makes them a little shorter: the comparison errs to our disadvantage.
+
+    Args:
+        outlines: the waved outer wall.
+        paths: of the dual-colour print: fill, inner walls, supports; outer walls and towers are passed over.
+        layers: the stack.
+        settings: of the print.
+    """
+    dropped = [int(feature) for feature in (Feature.OUTER_WALL, *ONLY_DUAL)]
+    wall = _unwaved(outlines, settings.chord_tolerance)
+    rest = _selected(paths, ~np.isin(paths.feature, dropped))
+    plain = replace(settings, wave_speed=settings.outline_speed)
+    return assemble(ordered(Paths.joined([wall, rest]), plain), layers, plain, single_color=True)
+
+
+def _unwaved(outlines: WavedOutlines, tolerance: float) -> Paths:
+    loop = np.repeat(np.arange(len(outlines.layer)), np.diff(outlines.start) + 1)
+    closing = np.insert(outlines.base, outlines.start[1:], outlines.base[outlines.start[:-1]], axis=0)
+    lines = shapely.simplify(shapely.linestrings(closing, indices=loop), tolerance, preserve_topology=True)
+    points, row = shapely.get_coordinates(lines, return_index=True)
+    last = np.append(row[1:] != row[:-1], True)  # the point that closes the loop
+    points, row = points[~last], row[~last]
+    count = len(outlines.layer)
+    return Paths(
+        points=points,
+        start=starts(np.bincount(row, minlength=count)),
+        layer=outlines.layer,
+        feature=np.full(count, int(Feature.OUTER_WALL), dtype=np.int64),
+        island=outlines.polygon,
+        closed=np.ones(count, dtype=bool),
+        width=np.full(len(points), float(np.median(outlines.width)) if len(outlines.width) else 0.0),
+    )
+
+
+def _selected(paths: Paths, chosen: BoolArray) -> Paths:
+    count: IntArray = np.diff(paths.start)[chosen]
+    point = ranges(paths.start[:-1][chosen], count)
+    return Paths(
+        points=paths.points[point],
+        start=starts(count),
+        layer=paths.layer[chosen],
+        feature=paths.feature[chosen],
+        island=paths.island[chosen],
+        closed=paths.closed[chosen],
+        width=paths.width[point],
+    )

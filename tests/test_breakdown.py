@@ -1,0 +1,95 @@
+"""Time and plastic by feature, cost, progress, and the same object in a single colour."""
+
+import numpy as np
+import pytest
+from dualcolor.core.breakdown import filament_report, heating_seconds, progress, single_color_moves, time_report
+from dualcolor.core.fill.paths import fill_paths
+from dualcolor.core.pipeline import generate
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.statistics import print_time
+from dualcolor.core.toolpaths.moves import Feature, Paths
+from dualcolor.tests.printing import rosette
+from dualcolor.tests.solids import cylinder
+
+SETTINGS = PrintSettings()
+
+
+@pytest.fixture(scope="module")
+def can():
+    return generate(cylinder(radius=12, height=2), SETTINGS.changed({"skirts": 0}))
+
+
+def test_parts_add_up_to_the_whole():
+    moves = rosette(4, 300)
+    report = time_report(moves, SETTINGS)
+    assert sum(report["features"].values()) == pytest.approx(report["total"], rel=1e-12)
+    for name, seconds in print_time(moves, SETTINGS).items():
+        assert report[name] == pytest.approx(seconds)
+    assert report["features"]["tower"] == pytest.approx(report["tower"])
+    assert report["features"]["tool_change"] == pytest.approx(report["tool_change"])
+    assert "single_color" not in report
+
+
+def test_progress_follows_time_not_rows():
+    moves = rosette(4, 300)
+    share = progress(moves)
+    assert share[0] == 0
+    assert (np.diff(share) >= 0).all()
+    assert share[-1] < 1
+    # all four layers take as long, the first one without a tool change
+    starts = np.searchsorted(moves.layer, [1, 2, 3])
+    assert np.diff(share[starts]) == pytest.approx(1 / 4, abs=0.01)
+
+
+def test_heating_waits_for_the_bed_then_for_the_nozzles():
+    moves = rosette(2, 30)
+    cold_bed = heating_seconds(moves, SETTINGS.changed({"bed_temperature": 0}))
+    assert cold_bed == pytest.approx((230 - 22) / 1.5)
+    assert heating_seconds(moves, SETTINGS) == pytest.approx((110 - 22) / 0.15 + (230 - 140) / 1.5)
+    hotter = SETTINGS.changed({"nozzle_temperature_1": 260})
+    assert heating_seconds(moves, hotter) == pytest.approx(heating_seconds(moves, SETTINGS) + 30 / 1.5)
+
+
+def test_cost_and_shares():
+    moves = rosette(4, 101)
+    report = filament_report(moves, SETTINGS.changed({"filament_cost": 40}))
+    assert report["cost"] == pytest.approx((report["tool0_g"] + report["tool1_g"]) * 0.04)
+    gram_per_mm = np.pi / 4 * 1.75**2 * 1.04e-3
+    assert report["features_g"]["tower"] == pytest.approx(4 * 0.66 * gram_per_mm)
+    assert report["features_g"]["outer_wall"] == pytest.approx(400 * 0.0041 * gram_per_mm)
+    assert report["tower_share"] == pytest.approx(4 * 0.66 / (4 * 0.66 + 400 * 0.0041))
+    assert report["support_share"] == 0
+
+
+def test_single_color_print_has_no_wave_no_tower_and_no_tool_change(can):
+    settings = SETTINGS.changed({"perimeters": 0, "infill_density": 0, "top_solid_layers": 0, "bottom_solid_layers": 0})
+    moves = single_color_moves(can.outlines, Paths.empty(), can.slices.layers, settings)
+    assert (moves.tool == 0).all()
+    assert set(moves.feature[moves.extrudes]) == {int(Feature.OUTER_WALL)}
+    layers = len(can.slices.layers)
+    way = np.linalg.norm(np.diff(moves.position, axis=0), axis=1)[moves.extrudes[1:]].sum()
+    assert way == pytest.approx(layers * 2 * np.pi * (12 - 0.2), rel=2e-3)
+    radius = np.hypot(*moves.position[moves.extrudes, :2].T)
+    assert np.ptp(radius) < 0.06
+    assert (moves.position[moves.extrudes, 2] == can.slices.layers.top[moves.layer[moves.extrudes]]).all()
+    # one circle a layer at 40 mm/s, which is below what its bend allows; a tenth for starting and stopping
+    line = print_time(moves, settings)["total"]
+    assert line == pytest.approx((layers - 1) * 2 * np.pi * 11.8 / 40 + 2 * np.pi * 11.8 / 30, rel=0.1)
+
+
+def test_report_of_a_job_compares_with_a_single_color(can):
+    time = can.report["time_s"]
+    assert time["total"] > time["single_color"] + time["tower"]
+    assert time["ratio"] == pytest.approx(time["total"] / time["single_color"])
+    wall = time["features"]["outer_wall"]
+    alone = time["single_color"] - sum(time["features"].get(name, 0) for name in ("inner_wall", "skin", "infill"))
+    assert alone < wall  # what is left of a single colour is its wall and its travels
+
+
+def test_fill_of_the_single_color_is_that_of_the_dual_color(can):
+    cut = can.slices
+    fill = fill_paths(cut.regions, cut.polygons, cut.polygon_layer, SETTINGS)
+    moves = single_color_moves(can.outlines, fill, cut.layers, SETTINGS)
+    for feature in (Feature.SKIN, Feature.INNER_WALL):
+        assert feature in moves.feature
+    assert (np.diff(moves.layer) >= 0).all()
