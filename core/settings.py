@@ -175,9 +175,18 @@ class PrintSettings:
     extrusion_multiplier: float = setting(1.0, "Factor on all extruded amounts", "", 0.5, 2.0)
     retract_length: float = setting(1.3, "Filament pulled back before a travel", "mm", 0.0, 10.0)
     retract_length_toolchange: float = setting(4.0, "Filament pulled back before a tool change", "mm", 0.0, 20.0)
-    retract_speed: float = setting(25.0, "Speed of pulling back and priming", "mm/s", 1.0, 26.0)
+    retract_restart_extra: float = setting(0.0, "Filament fed in addition after a travel", "mm", 0.0, 2.0)
+    retract_restart_extra_toolchange: float = setting(
+        0.0, "Filament fed in addition after a tool change", "mm", 0.0, 5.0
+    )
+    retract_speed: float = setting(25.0, "Speed of pulling back", "mm/s", 1.0, 26.0)
+    deretract_speed: float = setting(25.0, "Speed of feeding again what was pulled back", "mm/s", 1.0, 26.0)
     retract_before_travel: float = setting(1.5, "Shorter travels do not retract", "mm", 0.0, 50.0)
-    z_hop: float = setting(0.4, "Lift at a tool change", "mm", 0.0, 5.0)
+    wipe: float = setting(
+        0.0, "Way over the line just printed while pulling back; 0 wipes on the tower only", "mm", 0.0, 10.0
+    )
+    z_hop: float = setting(0.0, "Lift on travels with retraction", "mm", 0.0, 5.0)
+    z_hop_toolchange: float = setting(0.4, "Lift at a tool change", "mm", 0.0, 5.0)
 
     # Filament and temperature (tool 0, right nozzle: black; tool 1, left nozzle: white)
     black_tool: int = setting(
@@ -192,6 +201,9 @@ class PrintSettings:
     nozzle_temperature_0: float = setting(230.0, "Temperature of tool 0", "°C", 0.0, 280.0, group="filament")
     nozzle_temperature_1: float = setting(230.0, "Temperature of tool 1", "°C", 0.0, 280.0, group="filament")
     bed_temperature: float = setting(110.0, "Temperature of the bed", "°C", 0.0, 130.0, group="filament")
+
+    # Predicted print
+    sag: float = setting(0.3, "Most that a strand sinks where nothing carries it", "mm", 0.0, 2.0, group="preview")
 
     def __post_init__(self) -> None:
         for declared in fields(self):

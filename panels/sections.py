@@ -127,9 +127,14 @@ SECTIONS = (
             "extrusion_multiplier",
             "retract_length",
             "retract_length_toolchange",
+            "retract_restart_extra",
+            "retract_restart_extra_toolchange",
             "retract_speed",
+            "deretract_speed",
             "retract_before_travel",
+            "wipe",
             "z_hop",
+            "z_hop_toolchange",
         ),
     ),
     Section(
@@ -146,4 +151,5 @@ SECTIONS = (
             "bed_temperature",
         ),
     ),
+    Section("prediction", "Predicted Print", ("sag",)),
 )

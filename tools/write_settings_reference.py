@@ -14,7 +14,13 @@ load_package()
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 
 REFERENCE = ROOT / "docs" / "settings.md"
-TITLES = {"print": "Print", "pattern": "Pattern", "texture": "Texture", "filament": "Filament and temperature"}
+TITLES = {
+    "print": "Print",
+    "pattern": "Pattern",
+    "texture": "Texture",
+    "filament": "Filament and temperature",
+    "preview": "Predicted print",
+}
 HEAD = """# Settings
 
 Made from `core/settings.py`; do not edit by hand. Every setting can be given with `--set name=value`, in a JSON file

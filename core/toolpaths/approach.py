@@ -1,0 +1,175 @@
+"""How the nozzle gets from one path to the next: pulling back, wiping, lifting, changing the tool, priming."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.planes import Layers
+from .moves import Feature, Moves
+from .order import OrderedPaths
+
+# Paths that meet within this (mm) go on without a travel.
+TOUCHING = 1e-3
+# On its way out a freshly primed nozzle always wipes this far over the tower's line (mm).
+TOWER_WIPE_MM = 2.0
+# Moves of a wipe: few enough to last 10 ms each, enough to follow a wave.
+_WIPE_MOVES = 4
+# A shorter way is no wipe (mm).
+_LEAST_WIPE_MM = 0.1
+
+
+@dataclass(frozen=True)
+class Approach:
+    """How each path is reached from the one before it.
+
+    Attributes:
+        changes: (K,) the tool is changed before it.
+        retracts: (K,) a long travel with retraction.
+        travels: (K,) any travel; True wherever one of the others is.
+        wipe: (K,) mm that the nozzle goes over the path before while the filament is pulled back.
+        hops: whether the nozzle is lifted on travels with retraction.
+    """
+
+    changes: BoolArray
+    retracts: BoolArray
+    travels: BoolArray
+    wipe: FloatArray
+    hops: bool
+
+    @property
+    def pulls(self) -> IntArray:
+        """(K,) moves in which the filament is pulled back."""
+        wiping = np.where(self.wipe > 0, _WIPE_MOVES, 1)
+        return np.where(self.changes | self.retracts, wiping, 0).astype(np.int64)
+
+    @property
+    def rows(self) -> IntArray:
+        """(K,) moves before the path's first extrusion: pulling back, lift, travel, descent, priming, as they apply."""
+        travel = np.where(self.retracts, 4 if self.hops else 2, self.travels.astype(np.int64))
+        return np.asarray(self.pulls + np.where(self.changes, 4, travel), dtype=np.int64)
+
+
+def approaches(paths: OrderedPaths, tool: IntArray, settings: PrintSettings) -> Approach:
+    """Decide how each of K paths is reached.
+
+    Args:
+        paths: in printing order.
+        tool: (K,) that prints each.
+        settings: retract_before_travel, wipe and z_hop are used.
+    """
+    begin, end = paths.points[paths.start[:-1]], paths.points[paths.start[1:] - 1]
+    distance = np.full(len(begin), np.inf)
+    distance[1:] = np.hypot(*(begin[1:] - end[:-1]).T)
+    changes = np.zeros(len(begin), dtype=bool)
+    changes[1:] = tool[1:] != tool[:-1]
+    rises = np.zeros(len(begin), dtype=bool)
+    rises[1:] = paths.layer[1:] != paths.layer[:-1]
+    retracts = (distance > settings.retract_before_travel) & ~changes
+    retracts[:1] = False
+    wipe = np.zeros(len(begin))
+    least = np.where(paths.feature[:-1] == Feature.TOWER, TOWER_WIPE_MM, 0.0)
+    wipe[1:] = np.minimum(np.maximum(least, settings.wipe), _path_lengths(paths)[:-1])
+    wipe[~(changes | retracts) | (wipe < _LEAST_WIPE_MM)] = 0.0
+    return Approach(changes, retracts, (distance > TOUCHING) | rises, wipe, settings.z_hop > 0)
+
+
+def fill_approaches(
+    table: Moves, paths: OrderedPaths, layers: Layers, first: IntArray, approach: Approach, settings: PrintSettings
+) -> None:
+    """Write the moves before each path, in place.
+
+    Args:
+        table: with the tool and layer of the path that follows in these rows.
+        paths: K, in printing order.
+        layers: the stack.
+        first: (K,) row at which each path's approach begins.
+        approach: how each path is reached.
+        settings: lengths and speeds of retraction, lifts.
+    """
+    first_point = np.column_stack([paths.points[paths.start[:-1]], layers.top[paths.layer]])
+    left = _pull_back(table, paths, layers, first, approach, settings)
+
+    def prime(rows: IntArray, chosen: IntArray, amount: float) -> None:
+        table.position[rows] = first_point[chosen]
+        table.feature[rows] = Feature.RETRACT
+        table.filament[rows] = amount
+        table.speed[rows] = settings.deretract_speed
+
+    changed = np.flatnonzero(approach.changes)
+    row = first[changed] + approach.pulls[changed]
+    lift = np.array([0.0, 0.0, settings.z_hop_toolchange])
+    table.position[row] = left[changed] + lift
+    table.tool[row] = table.tool[np.maximum(first[changed] - 1, 0)]
+    table.layer[row] = paths.layer[changed - 1]
+    table.position[row + 1] = first_point[changed] + lift
+    table.position[row + 2] = first_point[changed]
+    extra = settings.retract_restart_extra_toolchange
+    prime(row + 3, changed, settings.retract_length_toolchange + extra)
+
+    retracted = np.flatnonzero(approach.retracts)
+    row = first[retracted] + approach.pulls[retracted]
+    if approach.hops:
+        # Over the higher of the two layers, as a travel may lead up a layer.
+        height = np.maximum(left[retracted, 2], first_point[retracted, 2]) + settings.z_hop
+        table.position[row] = np.column_stack([left[retracted, :2], height])
+        table.position[row + 1] = np.column_stack([first_point[retracted, :2], height])
+        row = row + 2
+    table.position[row] = first_point[retracted]
+    prime(row + 1, retracted, settings.retract_length + settings.retract_restart_extra)
+
+
+def _pull_back(
+    table: Moves, paths: OrderedPaths, layers: Layers, first: IntArray, approach: Approach, settings: PrintSettings
+) -> FloatArray:
+    """Write the moves that pull the filament back; returns (K, 3) mm, where the nozzle then is."""
+    left = np.zeros((len(first), 3))
+    left[1:] = np.column_stack([paths.points[paths.start[1:] - 1], layers.top[paths.layer]])[:-1]
+    amount = np.where(approach.changes, settings.retract_length_toolchange, settings.retract_length)
+    pulls = approach.pulls
+    for step in range(int(pulls.max(initial=0))):
+        chosen = np.flatnonzero(pulls > step)
+        row = first[chosen] + step
+        before = left[chosen].copy()
+        wipes = approach.wipe[chosen] > 0
+        left[chosen[wipes], :2] = _along(paths, chosen[wipes], approach.wipe[chosen[wipes]] * (step + 1) / _WIPE_MOVES)
+        pulled = amount[chosen] / pulls[chosen]
+        way = np.hypot(*(left[chosen] - before)[:, :2].T)
+        seconds = np.maximum(pulled / settings.retract_speed, way / settings.travel_speed)
+        table.position[row] = left[chosen]
+        table.feature[row] = np.where(pulled > 0, int(Feature.RETRACT), int(Feature.TRAVEL))
+        table.filament[row] = -pulled
+        moved = way > 0
+        table.speed[row] = np.where(moved, way / np.where(moved, seconds, 1.0), settings.retract_speed)
+        table.tool[row] = table.tool[np.maximum(first[chosen] - 1, 0)]
+        table.layer[row] = paths.layer[chosen - 1]
+    return left
+
+
+def _along(paths: OrderedPaths, chosen: IntArray, way: FloatArray) -> FloatArray:
+    """(C, 2) mm, the places a way beyond the end of the paths before the chosen ones.
+
+    Beyond the end of a closed path is its beginning once more; an open one is gone back.
+    """
+    arc = _arcs(paths)
+    begin, end = paths.start[chosen - 1], paths.start[chosen] - 1
+    closed = (np.abs(paths.points[begin] - paths.points[end]) < TOUCHING).all(axis=1)
+    place = np.where(closed, arc[begin] + way, arc[end] - way)
+    return np.column_stack([np.interp(place, arc, paths.points[:, axis]) for axis in (0, 1)])
+
+
+def _arcs(paths: OrderedPaths) -> FloatArray:
+    """(N,) mm along all paths one after the other, 1 mm between each and the next."""
+    step = np.diff(paths.points, axis=0)
+    length = np.sqrt(np.einsum("ij,ij->i", step, step))
+    length[paths.start[1:-1] - 1] = 1.0
+    return np.concatenate([[0.0], np.cumsum(length)])
+
+
+def _path_lengths(paths: OrderedPaths) -> FloatArray:
+    """(K,) mm."""
+    arc = _arcs(paths)
+    return np.asarray(arc[paths.start[1:] - 1] - arc[paths.start[:-1]])
