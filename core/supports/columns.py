@@ -6,27 +6,34 @@ import numpy as np
 import shapely
 
 from ..fill.parallel import Shapes
-from ..fill.walls import simplified
+from ..fill.walls import offset, simplified
+from .overhangs import Contacts
 from .overlay import GRID_MM, SIMPLIFY_MM, areas, difference, gathered, intersection, nothing
 
+# Gaps and bays narrower than twice this, mm, are filled.
+_HALF_GAP_MM = 0.5
 _SLIVER_MM2 = 0.05
 
 
-def columns(contact: Shapes, taken: Shapes) -> Shapes:
+def columns(needed: Contacts, taken: Shapes) -> Shapes:
     """(L,) areas of support: under each contact straight down until the object is in the way.
 
     Columns that meet nothing are handed down untouched from layer to layer.
 
     Args:
-        contact: (L,) what supports that end on each layer carry.
+        needed: what the supports carry.
         taken: (L,) where the object leaves no room.
     """
+    # Close to a slope the air above a support takes part of it; a little deeper that part has room.
+    deep = needed.slant + 1
+    contact = np.append(needed.area, nothing(deep))
     has_contact = ~shapely.is_empty(contact)
     parts = nothing(0)
     found: list[Shapes] = []
-    for layer in range(len(contact) - 1, -1, -1):
-        if has_contact[layer]:
-            parts = _with(parts, contact[layer])
+    for layer in range(len(taken) - 1, -1, -1):
+        near = slice(layer, layer + deep)
+        if has_contact[near].any():
+            parts = _with(parts, contact[near][has_contact[near]])
         if len(parts):
             parts = _without(parts, taken[layer])
         found.append(parts)
@@ -35,21 +42,30 @@ def columns(contact: Shapes, taken: Shapes) -> Shapes:
     return gathered(np.concatenate([nothing(0), *found]), owner, len(found))
 
 
-def _with(parts: Shapes, more: shapely.Geometry) -> Shapes:
-    """(P,) polygons, those that meet another shape united with it."""
-    meets = shapely.intersects(parts, more)
-    whole = shapely.union_all(np.append(parts[meets], more), grid_size=GRID_MM)
-    return np.concatenate([parts[~meets], shapely.get_parts(areas(whole))])
+def _with(parts: Shapes, more: Shapes) -> Shapes:
+    """(P,) polygons, those that meet other shapes united with them, without narrow gaps and bays."""
+    added = shapely.union_all(more, grid_size=GRID_MM)
+    near = shapely.dwithin(parts, added, _HALF_GAP_MM)
+    whole = shapely.union_all(np.append(parts[near], added), grid_size=GRID_MM)
+    smooth = offset(simplified(offset(areas(whole), _HALF_GAP_MM), SIMPLIFY_MM), -_HALF_GAP_MM)
+    return np.concatenate([parts[~near], _sizeable(smooth)])
 
 
 def _without(parts: Shapes, taken: shapely.Geometry) -> Shapes:
-    """(P,) polygons less what is taken, without slivers."""
+    """(P,) polygons less what is taken."""
     shapely.prepare(taken)
     meets = shapely.intersects(taken, parts)
     if not meets.any():
         return parts
-    left = shapely.get_parts(simplified(difference(parts[meets], taken), SIMPLIFY_MM))
-    return np.concatenate([parts[~meets], left[shapely.area(left) > _SLIVER_MM2]])
+    left = simplified(difference(parts[meets], taken), SIMPLIFY_MM)
+    return np.concatenate([parts[~meets], _sizeable(left)])
+
+
+def _sizeable(shapes: Shapes) -> Shapes:
+    """(P,) polygons that shapes consist of, without slivers."""
+    parts = shapely.get_parts(shapes)
+    large: Shapes = parts[shapely.area(parts) > _SLIVER_MM2]
+    return large
 
 
 def standing_on_bed(found: Shapes) -> Shapes:

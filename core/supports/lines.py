@@ -14,7 +14,7 @@ from ..fill.walls import offset
 from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Paths
-from .overlay import GRID_MM, difference, intersection, nothing
+from .overlay import GRID_MM, difference, intersection, nothing, once
 
 SUPPORT_ISLAND = -3
 # Lines run along X, and the close ones across them, so that they do not fall between.
@@ -100,9 +100,8 @@ def _filled(areas: Areas, width: float) -> list[Paths]:
     parts, owner = shapely.get_parts(areas.shapes, return_index=True)
     printable = shapely.length(parts) > 2 * width
     parts, owner = parts[printable], owner[printable]
-    rough = shapely.simplify(parts, 0.1 * areas.spacing_mm)
-    narrow = shapely.is_empty(offset(rough, -_NARROW * areas.spacing_mm))
-    within = offset(parts[narrow], -width)  # its lines lie beside the loop's
+    narrow = shapely.is_empty(once(lambda some: offset(some, -_NARROW * areas.spacing_mm), parts))
+    within = once(lambda some: offset(some, -width), parts[narrow])  # its lines lie beside the loop's
     inside = np.concatenate([parts[~narrow], within])
     of_layer = np.concatenate([owner[~narrow], owner[narrow]])
     return [_hatched(areas, inside, of_layer, width), _loops(areas, parts[narrow], owner[narrow], width)]

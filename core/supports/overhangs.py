@@ -19,6 +19,7 @@ from .overlay import areas, gathered, nothing
 TOLERANCE_MM = 0.02
 # Overhangs below this area (mm²) are roundings.
 _SMALLEST_MM2 = 0.02
+_GREATEST_SLANT = 8  # a support that ends lower than this carries nothing
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,14 @@ class Contacts:
         islands: (P,) polygons of the object that begin in the air.
         island_layer: (P,) int64, the layer on which the support of each ends, not decreasing.
         gap: layers of air between a support and the object.
+        slant: layers by which the support of a slope may end lower, where the air beside the object takes its top.
     """
 
     area: Shapes
     islands: Shapes
     island_layer: IntArray
     gap: int
+    slant: int
 
 
 def contacts(cut: Slices, settings: PrintSettings) -> Contacts:
@@ -53,13 +56,20 @@ def contacts(cut: Slices, settings: PrintSettings) -> Contacts:
     area[: max(count - shift, 0)] = hanging[shift:]
     islands, layer = _islands(cut, hanging)
     kept = layer >= shift
-    return Contacts(area, islands[kept], layer[kept] - shift, gap)
+    return Contacts(area, islands[kept], layer[kept] - shift, gap, gap + _slant(settings))
 
 
 def _reach(layers: Layers, settings: PrintSettings) -> FloatArray:
     """(L,) mm, how far each layer may jut out over the one below."""
     rise = np.diff(layers.plane, prepend=0.0)
     return np.asarray(rise / np.tan(np.radians(settings.support_threshold_angle)))
+
+
+def _slant(settings: PrintSettings) -> int:
+    """Layers that the steepest slope with a support takes to get clear of what the object keeps free beside it."""
+    beside = settings.wave_depth_max / 2 + settings.support_xy_distance + settings.extrusion_width
+    rise = beside * np.tan(np.radians(settings.support_threshold_angle))
+    return int(min(np.ceil(rise / settings.layer_height), _GREATEST_SLANT))
 
 
 def overhangs(regions: Shapes, reach: FloatArray) -> Shapes:

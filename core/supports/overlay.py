@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import shapely
 
@@ -35,7 +37,7 @@ def areas(shapes: Shapes | shapely.Geometry) -> Shapes:
 
 def nothing(count: int) -> Shapes:
     """(N,) empty shapes."""
-    return np.full(count, shapely.Polygon(), dtype=object)
+    return np.full(count, shapely.MultiPolygon(), dtype=object)
 
 
 def gathered(parts: Shapes, owner: np.ndarray[tuple[int, ...], np.dtype[np.int64]], count: int) -> Shapes:
@@ -45,3 +47,9 @@ def gathered(parts: Shapes, owner: np.ndarray[tuple[int, ...], np.dtype[np.int64
         rows, index = np.unique(owner, return_inverse=True)
         whole[rows] = shapely.multipolygons(parts, indices=index)
     return whole
+
+
+def once(function: Callable[[Shapes], Shapes], shapes: Shapes) -> Shapes:
+    """(N,) what a function makes of each shape, asked once where shapes are the same: columns hardly change."""
+    _, first, same = np.unique(np.asarray(shapely.to_wkb(shapes), dtype=object), return_index=True, return_inverse=True)
+    return function(shapes[first])[same]

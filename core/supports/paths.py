@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import shapely
 
 from ..fill.parallel import Shapes
@@ -46,10 +47,21 @@ def supports(cut: Slices, lines: Contours, depth: FloatArray, settings: PrintSet
         return Supports(Paths.empty(), nothing(len(cut.regions)))
     needed = contacts(cut, settings)
     taken = taken_room(cut, lines, depth, needed.gap, settings)
-    found = columns(needed.area, taken)
+    found = columns(needed, taken)
     if settings.support_from == "bed":
         found = standing_on_bed(found)
     found = steady(found, needed, taken)
     close = interface(found, needed.area, settings)
     covered = shapely.buffer(found, settings.extrusion_width / 2, quad_segs=2)
     return Supports(support_lines(found, close, settings), covered)
+
+
+def with_supports(regions: Shapes, covered: Shapes) -> Shapes:
+    """Cross-sections of the object and its supports, (R,), those of the first layer in one at the beginning.
+
+    Args:
+        regions: (L,) of the object.
+        covered: (L,) of the supports.
+    """
+    some = covered[1:][~shapely.is_empty(covered[1:])]
+    return np.concatenate([[shapely.union(regions[0], covered[0])], regions[1:], some])

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes, in_chunks
+from ..fill.parallel import Shapes
 from ..fill.walls import offset, simplified
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import FloatArray, IntArray
 from .overhangs import Contacts
-from .overlay import SIMPLIFY_MM, difference, gathered
+from .overlay import SIMPLIFY_MM, difference, gathered, once
 
 # Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
 _WORTHWHILE_MM2 = 3.0
-# The least cross-section of a column, mm²: a round one of 4 mm.
-_STABLE_MM2 = 12.5
+# The least thickness of a column, mm: four times its area over its perimeter, the diameter of a round one.
+_STABLE_MM = 4.0
 # Nothing narrower than twice this, mm, is printed.
-_HALF_LEAST_WIDTH_MM = 0.15
+_HALF_LEAST_WIDTH_MM = 0.3
 _ARC_SEGMENTS = 4
 _LAYER_SHIFT_MM = 1000.0  # more than the bed: sets the layers apart in the plane for a single search
 
@@ -33,14 +35,21 @@ def steady(found: Shapes, needed: Contacts, taken: Shapes) -> Shapes:
     if not len(parts):
         return found
     column = _columns_of(parts, layer)
-    largest = np.zeros(int(column.max()) + 1)
-    np.maximum.at(largest, column, shapely.area(parts))
+    area = shapely.area(parts)
+    largest, thickest = _most(area, column), _most(4 * area / shapely.length(parts), column)
     island = np.zeros(len(largest), dtype=bool)
     island[column[_under(parts, layer, needed.islands, needed.island_layer)]] = True
     kept = (largest >= _WORTHWHILE_MM2) | island
-    growth = np.maximum(np.sqrt(_STABLE_MM2 / np.pi) - np.sqrt(largest / np.pi), 0.0)
+    growth = np.maximum(_STABLE_MM - thickest, 0.0) / 2
     chosen = kept[column]
     return _thickened(parts[chosen], layer[chosen], growth[column[chosen]], len(found), taken)
+
+
+def _most(values: FloatArray, column: IntArray) -> FloatArray:
+    """(C,) greatest value of each column's parts."""
+    most = np.zeros(int(column.max()) + 1)
+    np.maximum.at(most, column, values)
+    return most
 
 
 def _columns_of(parts: Shapes, layer: IntArray) -> IntArray:
@@ -80,18 +89,21 @@ def _set_apart(shapes: Shapes, layer: IntArray) -> Shapes:
 
 def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, taken: Shapes) -> Shapes:
     """(L,) the parts grown, clipped again, without what is too narrow for a line."""
-    grown = parts.copy()
-    thin: BoolArray = growth > 0
-    grown[thin] = shapely.buffer(parts[thin], growth[thin], quad_segs=_ARC_SEGMENTS)
-    grown[thin] = difference(grown[thin], taken[layer[thin]])
+    whole = parts.copy()
+    for amount in np.unique(growth[growth > 0]):
+        rows = np.flatnonzero(growth == amount)
+        whole[rows] = once(partial(shapely.buffer, distance=amount, quad_segs=_ARC_SEGMENTS), parts[rows])
+    rows = np.flatnonzero((growth > 0) & shapely.intersects(whole, taken[layer]))
+    whole[rows] = difference(whole[rows], taken[layer[rows]])
+    pieces, owner = shapely.get_parts(whole, return_index=True)
+    merged = gathered(pieces, layer[owner], count)
+    met = np.unique(layer[growth > 0])
+    merged[met] = shapely.buffer(merged[met], 0.0)  # grown columns may have met
+    pieces, owner = shapely.get_parts(merged, return_index=True)
+    pieces, row = shapely.get_parts(once(_opened, pieces), return_index=True)
+    return gathered(pieces, owner[row], count)
 
-    def chunk(shapes: Shapes) -> tuple[Shapes]:
-        core = offset(shapes, -_HALF_LEAST_WIDTH_MM)
-        opened = shapely.buffer(core, _HALF_LEAST_WIDTH_MM, quad_segs=_ARC_SEGMENTS)
-        return (simplified(opened, SIMPLIFY_MM),)
 
-    grown, owner = shapely.get_parts(grown, return_index=True)
-    whole = gathered(grown, layer[owner], count)
-    whole[layer[thin]] = shapely.buffer(whole[layer[thin]], 0.0)  # grown columns may have met
-    (opened,) = in_chunks(chunk, whole)
-    return opened
+def _opened(shapes: Shapes) -> Shapes:
+    core = offset(shapes, -_HALF_LEAST_WIDTH_MM)
+    return simplified(shapely.buffer(core, _HALF_LEAST_WIDTH_MM, quad_segs=_ARC_SEGMENTS), SIMPLIFY_MM)
