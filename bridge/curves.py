@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..core.beads import Strands, strands
+from ..core.beads import Strands, settled, split_by_roundness, strands
 from ..core.model import BoolArray, FloatArray, IntArray, TriangleMesh
 from .mesh_input import evaluated_mesh
 from .plastics import plastic
@@ -20,6 +20,8 @@ SOURCE_KEY = "dualcolor_source"
 STRANDS_KEY = "dualcolor_strands"
 _DISPLAY_KEY = "dualcolor_display"
 _RATIO_STEP = 1.5
+_ROUNDNESS_LEVELS = 4
+"""From oval to round in three steps, each a change of the diameters by a twelfth."""
 
 
 def build_preview(result: DualColorPrint, source: bpy.types.Object | None = None) -> bpy.types.Collection:
@@ -39,10 +41,10 @@ def build_preview(result: DualColorPrint, source: bpy.types.Object | None = None
     unit = mm_per_unit(scene)
     name = source.name if source else result.name
     origin = _bed_origin(result.mesh, source, unit) if source else np.zeros(3)
-    laid = strands(result.moves)
+    laid, roundness = split_by_roundness(settled(strands(result.moves), result.settings.sag), _ROUNDNESS_LEVELS)
     new = [
         _strand_object(kind, laid.selected(chosen), ratio, unit, origin)
-        for kind, chosen, ratio in _groups(laid, result.settings.black_tool)
+        for kind, chosen, ratio in _groups(laid, roundness, result.settings.black_tool)
     ]
     collection = preview_of(source) if source else bpy.data.collections.get(f"{name} Dual-Color")
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
@@ -126,24 +128,33 @@ def new_curves(
     return data
 
 
-def _groups(laid: Strands, black_tool: int) -> list[tuple[str, BoolArray, float]]:
+def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple[str, BoolArray, float]]:
     """(colour, (K,) bool, height to width) of every object to make: one a filament where all lines are alike.
 
-    An object's scale warps all its rods to ovals of one height-to-width ratio. So much thinner lines, or a first layer
-    of another height, make objects of their own; smaller differences keep the area and give up the ratio.
+    An object's scale warps all its rods to ovals of one height-to-width ratio. So rounder lines, much thinner ones, or
+    a first layer of another height, make objects of their own; smaller differences keep the area and give up the ratio.
+
+    Args:
+        laid: K strands of even roundness.
+        roundness: (K,) of each.
+        black_tool: the tool with the black filament.
     """
     if not len(laid):
         return []
     counts = np.diff(laid.start)
     ratio = laid.height / (np.add.reduceat(laid.width, laid.start[:-1]) / counts)
     usual = float(np.median(np.repeat(ratio, counts)))
-    step = np.round(np.log(ratio / usual) / np.log(_RATIO_STEP))
+    # Round is round, whatever the width.
+    step = np.where(roundness < 1, np.round(np.log(ratio / usual) / np.log(_RATIO_STEP)), 0)
     groups = []
     for colour, tool in (("Black", black_tool), ("White", 1 - black_tool)):
-        for value in sorted(np.unique(step[laid.tool == tool]), key=abs):
-            chosen = (laid.tool == tool) & (step == value)
-            centre = usual if value == 0 else float(np.median(ratio[chosen]))
-            groups.append((colour if value == 0 else f"{colour} {centre:.2f}", chosen, centre))
+        mine = laid.tool == tool
+        kinds = np.unique(np.column_stack([roundness, step])[mine], axis=0).tolist()
+        for level, value in sorted(kinds, key=lambda kind: (kind[0], abs(kind[1]))):
+            chosen = mine & (step == value) & (roundness == level)
+            resting = usual if value == 0 else float(np.median(ratio[chosen]))
+            centre = resting ** (1.0 - level)
+            groups.append((colour if value == level == 0 else f"{colour} {centre:.2f}", chosen, centre))
     return groups
 
 

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .model import BoolArray, FloatArray, IntArray
+from .spans import unsupported_distance
 from .toolpaths.moves import Moves
 
-OVAL_FACTOR = math.sqrt(4.0 / math.pi)
-"""A strand's full width and height as multiples of the extrusion width and the layer height.
-
-With both diameters of an ellipse longer by this factor its area is width × height exactly, the cross-section that the
-G-code extrudes. Strands overlap their neighbours by an eighth, above as beside, so no light leaks through a wall.
-"""
+_PIECE = 0.25  # mm between the points of a line over air, at least where it begins to be
+_SAG_OF_1_MM = (3 * 1040 * 9.81 * 1.0 * 1e-12 / (128 * 1e4)) ** (1 / 3) * 1e3  # see `sag_depth`
 
 
 @dataclass(frozen=True)
@@ -30,6 +27,8 @@ class Strands:
         layer: (K,) int64.
         width: (N,) float64 mm, extrusion width at each point.
         height: (K,) float64 mm, layer height.
+        roundness: (N,) float64, 0 an oval as much wider than high as `width` to `height`, 1 a
+            circle of the same area.
     """
 
     points: FloatArray
@@ -39,6 +38,7 @@ class Strands:
     layer: IntArray
     width: FloatArray
     height: FloatArray
+    roundness: FloatArray
 
     def __len__(self) -> int:
         return len(self.tool)
@@ -55,6 +55,7 @@ class Strands:
             layer=self.layer[chosen],
             width=self.width[kept],
             height=self.height[chosen],
+            roundness=self.roundness[kept],
         )
 
 
@@ -64,7 +65,7 @@ def offsets(counts: IntArray) -> IntArray:
 
 
 def strands(moves: Moves) -> Strands:
-    """The strands that the moves lay down.
+    """The strands that the moves lay down, as if all of them rested on material; see `settled`.
 
     Consecutive extruding rows of one tool, feature, layer and height make one strand; it starts where the nozzle
     stood before its first row. A row that extrudes without a move before it has nowhere to start from and is left out.
@@ -92,18 +93,147 @@ def strands(moves: Moves) -> Strands:
     points[:, 2] -= np.repeat(height / 2, counts)
     width = moves.width[source]
     width[is_start] = moves.width[lead]
-    return Strands(points, start, moves.tool[lead], moves.feature[lead], moves.layer[lead], width, height)
+    kind = (moves.tool[lead], moves.feature[lead], moves.layer[lead])
+    return Strands(points, start, *kind, width, height, np.zeros(len(points)))
 
 
-def semi_axes(width: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Horizontal and vertical semi-axis, mm, of the oval whose area is width × height."""
-    return width * (OVAL_FACTOR / 2), height * (OVAL_FACTOR / 2)
+def settled(laid: Strands, sag: float) -> Strands:
+    """The strands as they lie when they have cooled: on material an oval, over air rounder and lower.
+
+    A point is over air where its centre line lies outside the strands of the layer below (`unsupported_distance`).
+    There the strand becomes a circle by the time nothing of it is above them any more, and sinks as `sag_depth` says.
+    Both follow from a distance that has no jumps, so the strand has none either. Long lines over air get more points.
+    What a line gains in length by sinking it loses in width: its volume stays.
+
+    Args:
+        laid: strands as the nozzle went.
+        sag: mm, the most that any strand sinks.
+    """
+    if not len(laid):
+        return laid
+    dense, inserted = _subdivided(laid)
+    free = unsupported_distance(dense.points, dense.start, dense.layer, dense.width)
+    over_air = free > 0
+    roundness = _eased(free / (dense.width / 2))
+    # A line that rests on material needs no points between its ends, one that is round all over only every second.
+    wanted = ~inserted | _or_next_to(over_air)
+    wanted[1::2] &= ~inserted[1::2] | _or_next_to(roundness < 1)[1::2]
+    counts = np.add.reduceat(wanted, dense.start[:-1])
+    points, width = dense.points[wanted], dense.width[wanted]
+    flat = _steps(points)
+    points[:, 2] -= sag_depth(free[wanted], sag)
+    sunk = _steps(points)
+    start = offsets(counts)
+    lengthened = sunk > flat
+    lengthened[start[:-1]] = False
+    width[lengthened] *= flat[lengthened] / sunk[lengthened]
+    return replace(dense, points=points, start=start, width=width, roundness=roundness[wanted])
+
+
+def split_by_roundness(laid: Strands, levels: int) -> tuple[Strands, FloatArray]:
+    """Cut strands where their roundness passes from one of a few levels to the next; the parts share that point.
+
+    Args:
+        laid: K strands.
+        levels: how many there are from 0 to 1, both included.
+
+    Returns:
+        The parts, P of them, and (P,) the roundness that stands for each.
+    """
+    if not len(laid):
+        return laid, np.zeros(0)
+    level = np.zeros(len(laid.points), dtype=np.int64)  # of the segment that ends at each point
+    level[1:] = np.rint((laid.roundness[1:] + laid.roundness[:-1]) / 2 * (levels - 1))
+    is_start = np.zeros(len(level), dtype=bool)
+    is_start[laid.start[:-1]] = True
+    level[is_start] = level[np.minimum(laid.start[:-1] + 1, len(level) - 1)]
+    # A point where the level changes is written twice, as an end and as a beginning.
+    joint = np.zeros(len(level), dtype=bool)
+    joint[:-1] = (level[1:] != level[:-1]) & ~is_start[1:] & ~is_start[:-1]
+    source = np.repeat(np.arange(len(level)), 1 + joint)
+    begins = is_start[source]
+    begins[1:] |= source[1:] == source[:-1]
+    first = np.flatnonzero(begins)
+    of = np.cumsum(is_start)[source[first]] - 1
+    parts = Strands(
+        points=laid.points[source],
+        start=np.append(first, len(source)),
+        tool=laid.tool[of],
+        feature=laid.feature[of],
+        layer=laid.layer[of],
+        width=laid.width[source],
+        height=laid.height[of],
+        roundness=laid.roundness[source],
+    )
+    return parts, level[np.minimum(source[first] + 1, len(level) - 1)] / max(levels - 1, 1)
+
+
+def sag_depth(free: FloatArray, most: float) -> FloatArray:
+    """How far a strand sinks, mm, where it is `free` mm away from what carries it; at most `most` mm.
+
+    A thread of length L = 2·free between two supports hangs as a parabola of depth s under the tension
+    T = ρ·g·A·L² / (8·s), and that tension draws a viscous thread, T = 3·μ·A·(rate of strain), where the strain is
+    8/3·(s/L)². So s³ = 3·ρ·g·t·L⁴ / (128·μ) after the time t for which it stays soft: the depth grows with L^(4/3).
+    ABS just out of the nozzle (ρ = 1040 kg/m³, μ = 10 kPa·s, soft for about a second) sinks 0.6 mm in a span of 10 mm,
+    and 0.03 mm in one of 1 mm. The limit stands for what this leaves out: neighbours in the same layer that the strand
+    sticks to, and the nozzle's pull.
+    """
+    if most <= 0:
+        return np.zeros(len(free))
+    depth: FloatArray = most * np.tanh(_SAG_OF_1_MM * (2 * free) ** (4 / 3) / most)
+    return depth
+
+
+def semi_axes(
+    width: FloatArray, height: FloatArray, roundness: FloatArray | float = 0.0
+) -> tuple[FloatArray, FloatArray]:
+    """Horizontal and vertical semi-axis, mm, of the oval or circle whose area is width × height."""
+    radius = np.sqrt(width * height / math.pi)
+    stretch = (width / height) ** ((1.0 - roundness) / 2)
+    return radius * stretch, radius / stretch
+
+
+def _subdivided(laid: Strands) -> tuple[Strands, BoolArray]:
+    """The strands with points between those that are far apart, and (N,) which points those are."""
+    lengths = _steps(laid.points)
+    lengths[laid.start[:-1]] = 0.0
+    pieces = np.maximum(np.ceil(lengths / _PIECE), 1).astype(np.int64)
+    source = np.repeat(np.arange(len(pieces)), pieces)
+    ends = np.cumsum(pieces)
+    left = (ends[source] - 1 - np.arange(len(source))) / pieces[source]
+    points = laid.points[source]
+    points -= left[:, None] * (points - laid.points[np.maximum(source - 1, 0)])
+    start = np.concatenate([[0], ends])[laid.start]
+    dense = replace(laid, points=points, start=start, width=laid.width[source], roundness=laid.roundness[source])
+    return dense, left > 0
+
+
+def _steps(points: FloatArray) -> FloatArray:
+    """(N,) mm from the point before, 0 for the first."""
+    lengths = np.zeros(len(points))
+    step = np.diff(points, axis=0)
+    lengths[1:] = np.sqrt(np.einsum("ij,ij->i", step, step))
+    return lengths
+
+
+def _or_next_to(marked: BoolArray) -> BoolArray:
+    """(N,) points that are marked or have a marked neighbour."""
+    spread = marked.copy()
+    spread[1:] |= marked[:-1]
+    spread[:-1] |= marked[1:]
+    return spread
+
+
+def _eased(share: FloatArray) -> FloatArray:
+    """From 0 to 1 without a bend at either end."""
+    clipped = np.clip(share, 0.0, 1.0)
+    eased: FloatArray = clipped * clipped * (3.0 - 2.0 * clipped)
+    return eased
 
 
 def volume_mm3(laid: Strands) -> FloatArray:
     """(K,) mm³ of plastic in each strand: length × width × height, the width at a point being that of its line."""
-    lengths = np.zeros(len(laid.points))
-    lengths[1:] = np.linalg.norm(np.diff(laid.points, axis=0), axis=1)
+    lengths = _steps(laid.points)
     lengths[laid.start[:-1]] = 0.0
     areas = laid.width * np.repeat(laid.height, np.diff(laid.start))
     if not len(laid):

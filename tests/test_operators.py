@@ -78,8 +78,8 @@ def test_generate_makes_strands_and_a_report(block):
     report = report_of(block.dualcolor)
     assert report["layers"] == 12 and report["tool_changes"] == 11
     shown = preview_of(block).objects
-    layers = [set(read_strands(held)[3]["layer"] % 2) for held in shown]
-    assert layers == [{0}, {1}]
+    layers = {(held.data.materials[0].name, *set(read_strands(held)[3]["layer"] % 2)) for held in shown}
+    assert layers == {("Black ABS", 0), ("White ABS", 1)}
     assert bpy.ops.dualcolor.render_prediction.poll()
     assert block.dualcolor.show_print
     block.dualcolor.show_print = False
