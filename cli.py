@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .core.errors import OutputError, PrintError, SettingsError
+from .core.errors import OutputError, PrintError
 from .core.outputs import OutputFiles
+from .core.presets import preset_files, preset_values, read_settings, settings_json
 from .core.settings import PrintSettings
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 COMMAND = "dualcolor"
 DONE, USER_ERROR, INTERRUPTED = 0, 1, 130
-OUTPUTS = ("gcode", "x3g", "blend", "render", "report", "dump")
+OUTPUTS = ("gcode", "x3g", "blend", "render", "report", "dump", "save_settings")
 
 SUFFIXES = {"blend": ".blend", "render": ".png", "dump": ".npz"}
 
@@ -42,7 +43,7 @@ def main(argv: Sequence[str]) -> int:
     except SystemExit as stop:  # argparse has printed its message
         return int(stop.code or DONE)
     try:
-        settings = _settings(args.settings, dict(changes))
+        settings = _settings(args.preset, args.settings, dict(changes))
         paths = _outputs(args)
         with OutputFiles(paths.values()) as files:
             result = _demo(settings, paths, files) if args.command == "demo" else _print(args, settings, paths, files)
@@ -91,6 +92,7 @@ def make_parser() -> argparse.ArgumentParser:
     outputs.add_argument("--blend", type=Path, metavar="F.blend", help="Blender file with the model and its strands")
     outputs.add_argument("--render", type=Path, metavar="F.png", help="picture of the predicted print, by Cycles")
     outputs.add_argument("--report", type=Path, metavar="F.json", help="figures of the print")
+    outputs.add_argument("--save-settings", type=Path, metavar="F.json", help="all settings, for --settings")
     outputs.add_argument("--dump", type=Path, metavar="F.npz", help="outlines, waves and tones for checks")
     demo = commands.add_parser("demo", help="print a sample that the program makes itself: Suzanne in a calico coat")
     demo.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder of the files (default: out)")
@@ -99,7 +101,10 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 def _add_settings(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--settings", type=Path, metavar="F.json", help="settings by name, as JSON")
+    parser.add_argument("--preset", action="append", default=[], metavar="NAME", help="printer, filament or quality, "
+                        f"repeatable: {', '.join(preset_files())}")  # fmt: skip
+    parser.add_argument("--settings", type=Path, metavar="FILE", help="settings by name, as JSON, or a G-code file of "
+                        "this program, to print with its settings")  # fmt: skip
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="one setting, repeatable; "
                         "docs/settings.md lists them")  # fmt: skip
 
@@ -129,22 +134,13 @@ def _check_suffixes(parser: argparse.ArgumentParser, args: argparse.Namespace) -
             parser.error(f"argument --{kind}: {path} does not end in {suffix}")
 
 
-def _settings(path: Path | None, changes: dict[str, str]) -> PrintSettings:
-    """Defaults, changed by a file, changed by single assignments.
+def _settings(presets: Sequence[str], path: Path | None, changes: dict[str, str]) -> PrintSettings:
+    """Defaults, changed by presets, then by a file, then by single assignments.
 
     Raises:
-        SettingsError: the file cannot be read or holds something else, or a setting does not fit.
+        SettingsError: a preset is unknown, the file holds something else, or a setting does not fit.
     """
-    values: Any = {}
-    if path is not None:
-        try:
-            values = json.loads(path.read_text(encoding="utf-8"))
-        except OSError as problem:
-            raise SettingsError(f"{path} cannot be read", problem.strerror or "") from None
-        except ValueError:
-            raise SettingsError(f"{path} is not JSON") from None
-        if not isinstance(values, dict):
-            raise SettingsError(f"{path} holds no settings", 'write them as {"layer_height": 0.2}')
+    values = preset_values(presets) | (read_settings(path) if path is not None else {})
     return PrintSettings().changed({**values, **changes})
 
 
@@ -229,6 +225,8 @@ def _write(
         exports.dump(result, files.staged(paths["dump"]))
     if "blend" in paths or "render" in paths:
         _show(result, obj, paths, files, progress)
+    if "save_settings" in paths:
+        files.staged(paths["save_settings"]).write_text(settings_json(result.settings), encoding="utf-8")
     if "report" in paths:
         text = json.dumps(result.report, indent=2, allow_nan=False) + "\n"
         files.staged(paths["report"]).write_text(text, encoding="utf-8")

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
 
 Triple = tuple[float, float, float]
+# Facts are data: another machine with this firmware is one more file here.
+PRINTERS = Path(__file__).resolve().parent.parent / "presets" / "printer"
 
 
 @dataclass(frozen=True)
@@ -48,21 +53,21 @@ class PrinterProfile:
     max_temperature_c: tuple[float, float]
 
 
-REPLICATOR_2X = PrinterProfile(
-    name="MakerBot Replicator 2X",
-    reach_min=(-105.0, -73.0, 0.0),
-    reach_max=(105.0, 73.0, 150.0),
-    home=(152.0, 72.0),
-    max_speed_mm_s=(300.0, 300.0, 19.5, 1600.0 / 60.0),
-    acceleration_mm_s2=(1000.0, 1000.0, 150.0, 2000.0),
-    max_speed_change_mm_s=(15.0, 15.0, 10.0, 20.0),
-    queue_moves=16,
-    tool_axes=("A", "B"),
-    nozzle_distance_mm=35.0,
-    steps_per_mm=(88.888889, 88.888889, 400.0, 96.27520187033367),
-    home_feedrate_mm_min=(2500.0, 2500.0, 1100.0),
-    bed_min=(-123.0, -76.0, 0.0),
-    bed_max=(123.0, 76.0, 155.0),
-    reach_x_max=(152.0, 117.0),
-    max_temperature_c=(280.0, 130.0),
-)
+def read_profile(name: str) -> PrinterProfile:
+    """The printer of that name in `presets/printer`.
+
+    Raises:
+        ValueError: the file lacks a fact, or holds one that is unknown or not of the right kind.
+    """
+    facts = json.loads((PRINTERS / f"{name}.json").read_text(encoding="utf-8"))["printer"]
+    if set(facts) != {declared.name for declared in fields(PrinterProfile)}:
+        raise ValueError(f"the printer {name} does not have exactly the facts of a PrinterProfile")
+    values: dict[str, Any] = {key: tuple(fact) if isinstance(fact, list) else fact for key, fact in facts.items()}
+    for key, value in values.items():
+        kind = str if key in ("name", "tool_axes") else (int, float)
+        if not all(isinstance(part, kind) for part in (value if isinstance(value, tuple) else (value,))):
+            raise ValueError(f"{key} of the printer {name} is not of the right kind")
+    return PrinterProfile(**values)
+
+
+REPLICATOR_2X = read_profile("replicator_2x")

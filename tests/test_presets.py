@@ -1,0 +1,127 @@
+"""Presets, saved settings, settings from the header of a G-code file; files that are none of these."""
+
+import json
+from dataclasses import asdict
+
+import pytest
+from dualcolor.cli import main
+from dualcolor.core.errors import SettingsError
+from dualcolor.core.exports import export_gcode
+from dualcolor.core.pipeline import generate
+from dualcolor.core.presets import (
+    MOST_BYTES,
+    preset_descriptions,
+    preset_files,
+    preset_values,
+    read_settings,
+    settings_json,
+)
+from dualcolor.core.printer import PRINTERS, PrinterProfile, read_profile
+from dualcolor.core.settings import PrintSettings
+from dualcolor.tests.solids import box
+
+CHOSEN = PrintSettings(layer_height=0.2, pattern="wave", center_on_bed=False, skirts=0, wave_depth_min=0.3)
+
+
+@pytest.mark.parametrize("name", preset_files())
+def test_every_preset_is_valid_and_described(name):
+    values = preset_values([name])
+    assert PrintSettings().changed(values).as_dict().items() >= values.items()
+    assert preset_descriptions()[name]
+    assert not preset_descriptions()[name].endswith(".")
+
+
+def test_qualities_and_later_presets_count():
+    assert preset_values(["fine"])["layer_height"] == 0.2
+    assert preset_values(["fine", "standard"])["layer_height"] == 0.25
+    both = preset_values(["abs_black", "abs_white"])
+    assert {"nozzle_temperature_0", "nozzle_temperature_1"} <= set(both)
+    assert preset_values(["pla"])["bed_temperature"] < 80
+    with pytest.raises(SettingsError, match="no preset named 'finest': choose among replicator_2x, abs_black"):
+        preset_values(["finest"])
+    with pytest.raises(SettingsError):
+        preset_values(["../filament/pla"])
+
+
+def test_settings_survive_a_file(tmp_path):
+    path = tmp_path / "settings.json"
+    path.write_text(settings_json(CHOSEN), encoding="utf-8")
+    assert PrintSettings().changed(read_settings(path)) == CHOSEN
+
+
+def test_settings_survive_the_header_of_a_print(tmp_path):
+    path = tmp_path / "box.gcode"
+    export_gcode(generate(box((0, 0, 0), (8, 8, 2)), CHOSEN), path)
+    values = read_settings(path)
+    assert set(values) == set(CHOSEN.as_dict())
+    assert PrintSettings().changed(values) == CHOSEN
+
+
+def test_header_ends_at_the_first_command(tmp_path):
+    path = tmp_path / "made_up.gcode"
+    path.write_text("; object = x\n; wavelength = 1.5\nG1 X1\n; wavelength = 9\n", encoding="ascii")
+    assert read_settings(path) == {"wavelength": "1.5"}
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("a.json", b"[1, 2]", "holds no settings"),
+        ("a.json", b"{", "is not JSON"),
+        ("a.json", b"\xff\xfe{}", "is not JSON"),
+        ("a.json", b"[" * 200_000, "is not JSON"),
+        ("a.json", b'"' + b" " * MOST_BYTES + b'"', "too large"),
+        ("a.gcode", b"G1 X1\n; wavelength = 2\n", "has no settings in its header"),
+        ("a.gcode", bytes(range(256)) * 40, "has no settings in its header"),
+    ],
+)
+def test_other_files_get_one_sentence(tmp_path, name, content, words):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(SettingsError, match=words) as caught:
+        read_settings(path)
+    assert "\n" not in str(caught.value)
+    with pytest.raises(SettingsError, match="cannot be read"):
+        read_settings(tmp_path / "missing.json")
+    with pytest.raises(SettingsError, match="cannot be read"):
+        read_settings(tmp_path)
+
+
+def test_printer_is_data(tmp_path, monkeypatch):
+    source = json.loads((PRINTERS / "replicator_2x.json").read_text(encoding="utf-8"))
+    assert PrinterProfile(**{k: tuple(v) if isinstance(v, list) else v for k, v in source["printer"].items()}) == (
+        read_profile("replicator_2x")
+    )
+    monkeypatch.setattr("dualcolor.core.printer.PRINTERS", tmp_path)
+    facts = asdict(read_profile_of(tmp_path, source["printer"] | {"name": "Replicator Dual", "queue_moves": 8}))
+    assert (facts["name"], facts["queue_moves"]) == ("Replicator Dual", 8)
+    with pytest.raises(ValueError, match="exactly the facts"):
+        read_profile_of(tmp_path, {"name": "nothing else"})
+    with pytest.raises(ValueError, match="home of the printer"):
+        read_profile_of(tmp_path, source["printer"] | {"home": ["left", "rear"]})
+
+
+def read_profile_of(folder, facts):
+    (folder / "other.json").write_text(json.dumps({"description": "", "settings": {}, "printer": facts}))
+    return read_profile("other")
+
+
+def test_command_line_takes_presets_and_saves_settings(tmp_path, capfd):
+    pytest.importorskip("bpy")
+    model, saved = tmp_path / "box.obj", tmp_path / "saved.json"
+    corners = [(x, y, z) for x in (0, 8) for y in (0, 8) for z in (0, 2)]
+    faces = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+    text = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {' '.join(map(str, face))}" for face in faces]
+    model.write_text("\n".join(text) + "\n")
+    command = ["print", str(model), "--up", "z", "--preset", "pla", "--preset", "fine", "--set", "layer_height=0.3"]
+    gcode = tmp_path / "box.gcode"
+    assert main([*command, "--save-settings", str(saved), "--gcode", str(gcode)]) == 0
+    values = json.loads(saved.read_text(encoding="utf-8"))
+    assert (values["layer_height"], values["first_layer_height"], values["bed_temperature"]) == (0.3, 0.2, 60.0)
+    assert PrintSettings().changed(values) == PrintSettings().changed(read_settings(gcode))
+    again = tmp_path / "again.gcode"
+    assert main(["print", str(model), "--up", "z", "--settings", str(gcode), "--gcode", str(again)]) == 0
+    assert again.read_bytes() == gcode.read_bytes()
+    capfd.readouterr()
+    assert main(["print", str(model), "--preset", "none such"]) == 1
+    assert "there is no preset named" in capfd.readouterr().err
