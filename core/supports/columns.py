@@ -44,7 +44,7 @@ def columns(needed: Contacts, taken: Shapes) -> Shapes:
 
 def _with(parts: Shapes, more: Shapes) -> Shapes:
     """(P,) polygons, those that meet other shapes united with them, without narrow gaps and bays."""
-    added = shapely.union_all(more, grid_size=GRID_MM)
+    added = shapely.union_all(more)
     near = shapely.dwithin(parts, added, _HALF_GAP_MM)
     whole = shapely.union_all(np.append(parts[near], added), grid_size=GRID_MM)
     smooth = offset(simplified(offset(areas(whole), _HALF_GAP_MM), SIMPLIFY_MM), -_HALF_GAP_MM)

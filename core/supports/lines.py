@@ -14,12 +14,12 @@ from ..fill.walls import offset
 from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Paths
-from .overlay import GRID_MM, difference, intersection, nothing, once
+from .overlay import difference, intersection, nothing, once, thickness
 
 SUPPORT_ISLAND = -3
 # Lines run along X, and the close ones across them, so that they do not fall between.
 _ANGLE_DEG, _INTERFACE_ANGLE_DEG = 0.0, 90.0
-_NARROW = 1.0  # half the width, in spacings, below which a support gets a loop
+_NARROW = 2.5  # thickness in spacings below which a support gets a loop
 _LONGEST_LINK = 3.0  # in spacings, along the edge of the support
 _STRAIGHTNESS_MM = 0.01  # links that stray from the edge by more follow it
 
@@ -81,7 +81,8 @@ def support_lines(found: Shapes, close: Shapes, settings: PrintSettings) -> Path
         Paths of feature SUPPORT and SUPPORT_INTERFACE on island `SUPPORT_ISLAND`.
     """
     width = settings.extrusion_width
-    (below,) = in_chunks(lambda areas, part: (difference(areas, offset(part, GRID_MM)),), found, close)
+    below, rows = found.copy(), np.flatnonzero(~shapely.is_empty(close))
+    (below[rows],) = in_chunks(lambda areas, part: (difference(areas, part),), found[rows], close[rows])
     layer = np.arange(len(found))
     wide, fine = settings.support_spacing, min(settings.support_interface_spacing, settings.support_spacing)
     parts = []
@@ -100,7 +101,7 @@ def _filled(areas: Areas, width: float) -> list[Paths]:
     parts, owner = shapely.get_parts(areas.shapes, return_index=True)
     printable = shapely.length(parts) > 2 * width
     parts, owner = parts[printable], owner[printable]
-    narrow = shapely.is_empty(once(lambda some: offset(some, -_NARROW * areas.spacing_mm), parts))
+    narrow = thickness(parts) < _NARROW * areas.spacing_mm
     within = once(lambda some: offset(some, -width), parts[narrow])  # its lines lie beside the loop's
     inside = np.concatenate([parts[~narrow], within])
     of_layer = np.concatenate([owner[~narrow], owner[narrow]])

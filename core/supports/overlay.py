@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from ..fill.parallel import Shapes
+from ..model import FloatArray
 
 GRID_MM = 0.01
 """Vertices of supports lie on this grid: overlays on it are exact, whatever the shapes have in common."""
@@ -47,6 +48,11 @@ def gathered(parts: Shapes, owner: np.ndarray[tuple[int, ...], np.dtype[np.int64
         rows, index = np.unique(owner, return_inverse=True)
         whole[rows] = shapely.multipolygons(parts, indices=index)
     return whole
+
+
+def thickness(shapes: Shapes) -> FloatArray:
+    """(N,) mm, four times the area over the perimeter: the diameter of a disc, twice the width of a strip."""
+    return np.asarray(4 * shapely.area(shapes) / shapely.length(shapes))
 
 
 def once(function: Callable[[Shapes], Shapes], shapes: Shapes) -> Shapes:

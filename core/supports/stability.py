@@ -11,11 +11,11 @@ from ..fill.parallel import Shapes
 from ..fill.walls import offset, simplified
 from ..model import FloatArray, IntArray
 from .overhangs import Contacts
-from .overlay import SIMPLIFY_MM, difference, gathered, once
+from .overlay import SIMPLIFY_MM, difference, gathered, once, thickness
 
 # Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
 _WORTHWHILE_MM2 = 3.0
-# The least thickness of a column, mm: four times its area over its perimeter, the diameter of a round one.
+# The least thickness of a column, mm: the diameter of a round one.
 _STABLE_MM = 4.0
 # Nothing narrower than twice this, mm, is printed.
 _HALF_LEAST_WIDTH_MM = 0.3
@@ -36,7 +36,7 @@ def steady(found: Shapes, needed: Contacts, taken: Shapes) -> Shapes:
         return found
     column = _columns_of(parts, layer)
     area = shapely.area(parts)
-    largest, thickest = _most(area, column), _most(4 * area / shapely.length(parts), column)
+    largest, thickest = _most(area, column), _most(thickness(parts), column)
     island = np.zeros(len(largest), dtype=bool)
     island[column[_under(parts, layer, needed.islands, needed.island_layer)]] = True
     kept = (largest >= _WORTHWHILE_MM2) | island
