@@ -97,8 +97,8 @@ def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, t
     whole[rows] = difference(whole[rows], taken[layer[rows]])
     pieces, owner = shapely.get_parts(whole, return_index=True)
     merged = gathered(pieces, layer[owner], count)
-    met = np.unique(layer[growth > 0])
-    merged[met] = shapely.buffer(merged[met], 0.0)  # grown columns may have met
+    met = ~shapely.is_valid(merged)  # grown columns that overlap
+    merged[met] = shapely.buffer(merged[met], 0.0)
     pieces, owner = shapely.get_parts(merged, return_index=True)
     pieces, row = shapely.get_parts(once(_opened, pieces), return_index=True)
     return gathered(pieces, owner[row], count)
