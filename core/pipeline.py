@@ -30,6 +30,7 @@ from .toolpaths.assemble import assemble
 from .toolpaths.moves import Feature, Moves, Paths
 from .toolpaths.order import ordered
 from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
+from .toolpaths.raft import lifted, raised
 from .toolpaths.surroundings import ground, surrounding_paths
 
 Progress = tuple[float, str]
@@ -156,8 +157,10 @@ def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -
 def _moves(outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, settings: PrintSettings) -> Moves:
     wall = outer_wall_paths(outlines)
     covered = with_supports(cut.regions, holding.covered)
-    around = surrounding_paths(ground(covered, wall, settings), cut.layers, settings)
-    moves = assemble(ordered(Paths.joined([wall, fill, holding.paths, around]), settings), cut.layers, settings)
+    layers = raised(cut.layers, settings)
+    around = surrounding_paths(ground(covered, wall, settings), layers, settings)
+    part = lifted(Paths.joined([wall, fill, holding.paths]), settings)
+    moves = assemble(ordered(Paths.joined([part, around]), settings), layers, settings)
     _check_reach(moves)
     return moves
 

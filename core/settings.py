@@ -111,6 +111,9 @@ class PrintSettings:
 
     # Adhesion and tower
     brim_width: float = setting(0.0, "Width of the brim around the first layer; 0 is none", "mm", 0.0, 50.0)
+    raft_layers: int = setting(0, "Layers of the raft below the object; 0 is none", "", 0, 20)
+    raft_margin: float = setting(4.0, "How far the raft reaches beyond the first layer", "mm", 0.0, 20.0)
+    raft_gap: float = setting(0.2, "Air between the raft and the object", "mm", 0.0, 1.0)
     skirts: int = setting(1, "Loops of the skirt around the first layer", "", 0, 10)
     skirt_distance: float = setting(6.0, "Distance of the skirt from the object", "mm", 1.0, 50.0)
     tower_type: str = setting("w", "Cleaning tower that primes a nozzle after each tool change", choices=("w", "none"))

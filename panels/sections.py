@@ -101,7 +101,15 @@ SECTIONS = (
     Section(
         "adhesion",
         "Adhesion",
-        ("brim_width", "skirts", "skirt_distance", "first_layer_extrusion_width"),
+        (
+            "brim_width",
+            "raft_layers",
+            "raft_margin",
+            "raft_gap",
+            "skirts",
+            "skirt_distance",
+            "first_layer_extrusion_width",
+        ),
     ),
     Section(
         "speed",

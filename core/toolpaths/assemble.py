@@ -37,8 +37,9 @@ def assemble(paths: OrderedPaths, layers: Layers, settings: PrintSettings, singl
 
 
 def tool_of_layer(layer: IntArray, settings: PrintSettings) -> IntArray:
-    """Tool that prints each layer: black on the even ones."""
-    return np.where(layer % 2 == 0, settings.black_tool, 1 - settings.black_tool).astype(np.int64)
+    """Tool that prints each layer: black on the object's even ones, and on the raft, which needs no tool change."""
+    own = np.maximum(layer - settings.raft_layers, 0)
+    return np.where(own % 2 == 0, settings.black_tool, 1 - settings.black_tool).astype(np.int64)
 
 
 def _extrusions(

@@ -1,4 +1,4 @@
-"""All that is printed around the object: skirt, cleaning tower, brim and ooze shield, clear of each other."""
+"""All that is printed around and below the object: skirt, tower, brim, ooze shield and raft, clear of each other."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from .brim import brim_area, brim_paths
 from .loops import exterior_rings
 from .moves import Paths
 from .placement import placed, turned
+from .raft import raft_area, raft_paths
 from .shield import shield_area, shield_paths
 from .skirt import skirt_paths
 from .tower import tower_brim, tower_loops, tower_paths
@@ -28,7 +29,7 @@ class Ground:
 
     Attributes:
         shadow: all layers together, holes filled, waves included.
-        first: the first layer, as wide as its lines.
+        first: the first layer, as wide as its lines; the raft where there is one.
     """
 
     shadow: shapely.Geometry
@@ -51,6 +52,9 @@ def ground(regions: NDArray[np.object_], walls: Paths, settings: PrintSettings) 
     shadow = shapely.union_all(shapely.polygons(exterior_rings(np.array([shadow]))))
     strips = shapely.buffer(_closed_lines(walls, np.flatnonzero(walls.layer == 0)), settings.extrusion_width / 2)
     first = shapely.union_all([*regions[:1], *strips])
+    if settings.raft_layers:
+        first = raft_area(first, settings)
+        shadow = shapely.union(shadow, first)
     return Ground(shadow, first)
 
 
@@ -60,7 +64,12 @@ def _closed_lines(paths: Paths, chosen: IntArray) -> NDArray[np.object_]:
 
 
 def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -> Paths:
-    """Skirt, tower, brim and ooze shield of the whole print.
+    """Skirt, tower, brim, ooze shield and raft of the whole print.
+
+    Args:
+        on_bed: what stands there, on a raft if there is one.
+        layers: the stack, with the raft.
+        settings: of the print.
 
     Raises:
         MeshError: the bed has no room for the tower.
@@ -68,6 +77,7 @@ def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -
     """
     shield = shield_paths(on_bed.shadow, len(layers), settings)
     inside_shield = shield_area(on_bed.shadow, settings)
+    raft = raft_paths(on_bed.first, settings)
     first = on_bed.first
     if settings.ooze_shield:
         inside = shapely.buffer(inside_shield, -settings.extrusion_width)
@@ -80,7 +90,7 @@ def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -
         outermost = [*tower_brim(tower, settings), tower[-1]][0]
         around.append(shapely.buffer(shapely.polygons(outermost), settings.first_layer_extrusion_width / 2))
     skirt = skirt_paths(shapely.union_all(around), settings)
-    return Paths.joined([skirt, tower_paths(tower, len(layers), settings), brim, shield])
+    return Paths.joined([skirt, tower_paths(tower, len(layers), settings), brim, shield, raft])
 
 
 def tower_where_free(obstacles: shapely.Geometry, layers: Layers, settings: PrintSettings) -> list[FloatArray]:

@@ -1,0 +1,71 @@
+"""The raft: below the object, in one colour, covering what it holds; the object above it unchanged."""
+
+import numpy as np
+import pytest
+import shapely
+from dualcolor.core.exports import export_gcode
+from dualcolor.core.pipeline import generate
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.toolpaths.moves import Feature
+from dualcolor.core.toolpaths.raft import raft_area, raft_paths
+from dualcolor.tests.gpx import convert
+from dualcolor.tests.solids import cylinder
+
+PLAIN = PrintSettings(skirt_distance=2.0)
+RAFTED = PLAIN.changed({"raft_layers": 3, "raft_margin": 3.0, "raft_gap": 0.2, "first_layer_height": 0.3})
+
+
+def strands(moves, chosen):
+    rows = np.flatnonzero(moves.extrudes & chosen)
+    return shapely.linestrings(np.stack([moves.position[rows - 1, :2], moves.position[rows, :2]], axis=1)), rows
+
+
+def test_lines_apart_below_and_side_by_side_above():
+    area = raft_area(shapely.box(-10, -10, 10, 10), RAFTED)
+    assert shapely.hausdorff_distance(area, shapely.box(-13, -13, 13, 13)) < 2
+    paths = raft_paths(area, RAFTED)
+    assert (paths.feature == Feature.RAFT).all() and np.unique(paths.layer).tolist() == [0, 1, 2]
+    covered = []
+    for layer in range(3):
+        lines = [
+            shapely.LineString(paths.points[paths.start[k] : paths.start[k + 1]]).buffer(0.2)
+            for k in np.flatnonzero(paths.layer == layer)
+        ]
+        laid = shapely.union_all(lines)
+        assert area.buffer(0.01).covers(laid)
+        covered.append(laid.area / area.area)
+    assert 0.45 < covered[0] < 0.65
+    assert min(covered[1:]) > 0.95
+    assert not len(raft_paths(area, PLAIN).layer)
+
+
+@pytest.mark.parametrize("shield", [False, True])
+def test_the_object_stands_on_it_as_it_stood_on_the_bed(shield, tmp_path):
+    model = cylinder(radius=8, height=3)
+    flat = generate(model, PLAIN.changed({"first_layer_height": 0.3, "ooze_shield": shield}))
+    high = generate(model, RAFTED.changed({"ooze_shield": shield}))
+    for feature in (Feature.OUTER_WALL, Feature.INNER_WALL, Feature.SKIN):
+        low, up = (np.flatnonzero(r.moves.extrudes & (r.moves.feature == feature)) for r in (flat, high))
+        assert len(low) == len(up)
+        assert np.sort(high.moves.position[up, 2]) == pytest.approx(np.sort(flat.moves.position[low, 2]) + 1.0)
+        assert high.moves.filament[up].sum() == pytest.approx(flat.moves.filament[low].sum(), rel=1e-6)
+    assert high.report["tool_changes"] == high.report["layers"] - 1 == flat.report["layers"] - 1
+    moves = high.moves
+    wall = moves.feature == Feature.OUTER_WALL
+    assert (moves.tool[wall & moves.extrudes] == (moves.layer[wall & moves.extrudes] - 3) % 2).all()
+    # Raft and tower stand on the bed, and the tower is on every layer.
+    laid = moves.extrudes
+    for feature in (Feature.RAFT, Feature.TOWER):
+        assert moves.position[laid & (moves.feature == feature), 2].min() == pytest.approx(0.3)
+    assert len(np.unique(moves.layer[laid & (moves.feature == Feature.TOWER)])) == high.report["layers"] + 3
+    # The object's first layer lies on the raft, and the tower keeps clear of it.
+    first, _ = strands(moves, wall & (moves.layer == 3))
+    raft = shapely.union_all(shapely.buffer(strands(moves, moves.feature == Feature.RAFT)[0], 0.25))
+    assert shapely.covers(raft, first).all()
+    tower = shapely.union_all(strands(moves, moves.feature == Feature.TOWER)[0])
+    assert tower.distance(raft) > RAFTED.tower_distance - 0.3
+    if shield:
+        wall_around = shapely.union_all(strands(moves, moves.feature == Feature.OOZE_SHIELD)[0])
+        assert wall_around.distance(raft) > 1.5
+    export_gcode(high, tmp_path / "raft.gcode")
+    assert convert(tmp_path / "raft.gcode") == []
