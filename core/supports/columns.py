@@ -72,10 +72,10 @@ def standing_on_bed(found: Shapes) -> Shapes:
     """(L,) only what reaches the bed: the part of each layer above the part below that does."""
     standing = found.copy()
     for layer in range(1, len(standing)):
-        if standing[layer].is_empty:
-            continue
-        if standing[layer - 1].is_empty:
-            standing[layer] = shapely.Polygon()
-        else:
-            standing[layer : layer + 1] = intersection(standing[layer : layer + 1], standing[layer - 1 : layer])
+        parts, below = shapely.get_parts(standing[layer]), standing[layer - 1]
+        shapely.prepare(below)
+        held = shapely.covers(below, parts)
+        if not held.all():
+            left = intersection(parts[~held], below)
+            standing[layer] = shapely.multipolygons(np.concatenate([parts[held], _sizeable(left)]))
     return standing
