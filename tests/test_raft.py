@@ -36,6 +36,9 @@ def test_lines_apart_below_and_side_by_side_above():
         covered.append(laid.area / area.area)
     assert 0.45 < covered[0] < 0.65
     assert min(covered[1:]) > 0.95
+    step = np.abs(np.diff(paths.points, axis=0))
+    along_x = [step[paths.start[k] : paths.start[k + 1] - 1].sum(axis=0) @ [1, -1] > 0 for k in range(len(paths.layer))]
+    assert along_x == [layer % 2 == 0 for layer in paths.layer]  # each layer across the one below
     assert not len(raft_paths(area, PLAIN).layer)
 
 

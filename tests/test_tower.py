@@ -229,6 +229,14 @@ def test_brims_of_neighbours_grow_together():
     assert separate in ([True] * 5 + [False] * 5, [False] * 5 + [True] * 5)  # one part after the other
 
 
+def test_brim_of_an_object_within_a_ring_stays_together():
+    around = shapely.Point(0, 0).buffer(30).difference(shapely.Point(0, 0).buffer(29))
+    parts = shapely.union_all([around, shapely.box(-9, -2, -5, 2), shapely.box(5, -2, 9, 2)])
+    paths = brim_paths(parts, SETTINGS.changed({"brim_width": 2.0}))
+    sides = [np.sign(loop[:, 0].mean().round(3)) for loop in loops_of(paths, Feature.BRIM)]
+    assert len(sides) == 15 and sum(a != b for a, b in pairwise(sides)) == 2
+
+
 # Ooze shield
 
 
