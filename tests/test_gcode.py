@@ -82,6 +82,7 @@ def test_small_file_word_for_word():
     assert lines == [
         "; layer 0",
         "G1 X10.000 Y-20.000 Z0.250 F9000",
+        "; outer wall",
         f"G1 X20.000 A{primed + 0.4:.5f} F1800",
         f"G1 Y-10.000 A{primed + 0.8:.5f}",
         f"G1 A{primed - 3.2:.5f} F1500",

@@ -139,7 +139,7 @@ def _lines(moves: Moves, steps: IntArray) -> tuple[Lines, IntArray]:
 
 
 def _insertions(moves: Moves, kept_before: IntArray) -> tuple[IntArray, list[list[str]]]:
-    """What stands between the lines: a comment and the progress at each layer, the tool changes.
+    """What stands between the lines: comments at layers and features, the progress at each layer, the tool changes.
 
     Returns:
         (I,) int64 the line before which each insertion stands, ascending, and their lines.
@@ -148,7 +148,8 @@ def _insertions(moves: Moves, kept_before: IntArray) -> tuple[IntArray, list[lis
     layer_starts[1:] = moves.layer[1:] != moves.layer[:-1]
     tool_starts = _after_break(moves.tool)
     tool_starts[0] = False
-    rows = np.flatnonzero(layer_starts | tool_starts)
+    feature_starts = _feature_starts(moves)
+    rows = np.flatnonzero(layer_starts | tool_starts | feature_starts)
     progress = _progress(moves)[rows]
     insertions = []
     shown = 0
@@ -158,8 +159,18 @@ def _insertions(moves: Moves, kept_before: IntArray) -> tuple[IntArray, list[lis
             lines.append(f"M73 P{percent}")
             shown = percent
         lines += tool_change_lines(int(moves.tool[row])) if tool_starts[row] else []
+        if feature_starts[row]:
+            lines.append("; " + Feature(moves.feature[row]).name.lower().replace("_", " "))
         insertions.append(lines)
     return kept_before[rows], insertions
+
+
+def _feature_starts(moves: Moves) -> BoolArray:
+    """(M,) rows that extrude for another feature than those before them."""
+    rows = np.flatnonzero(moves.extrudes)
+    starts = np.zeros(len(moves.feature), dtype=bool)
+    starts[rows] = np.diff(moves.feature[rows], prepend=-1) != 0
+    return starts
 
 
 def _progress(moves: Moves) -> IntArray:
