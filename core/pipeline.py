@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from .breakdown import filament_report, single_color_seconds, time_report
-from .errors import MeshError
+from .checks import check
 from .fill.paths import fill_paths
 from .mesh import triangulate
 from .model import FloatArray, SurfaceModel, TriangleMesh
@@ -18,10 +18,8 @@ from .pattern.contours import Contours, contours
 from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
 from .pattern.wave import WavedOutlines, modulated, tone_along_wall, waved
-from .printer import REPLICATOR_2X
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
-from .slicing.outlines import bounds
 from .slicing.slices import Slices, slices
 from .supports.paths import Supports, supports, with_supports
 from .texture.lookup import tone_at
@@ -161,20 +159,8 @@ def _moves(outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices,
     around = surrounding_paths(ground(covered, wall, settings), layers, settings)
     part = lifted(Paths.joined([wall, fill, holding.paths]), settings)
     moves = assemble(ordered(Paths.joined([part, around]), settings), layers, settings)
-    _check_reach(moves)
+    check(moves, settings)
     return moves
-
-
-def _check_reach(moves: Moves) -> None:
-    low, high = bounds(moves.position, moves.extrudes)
-    least, most = np.array(REPLICATOR_2X.reach_min), np.array(REPLICATOR_2X.reach_max)
-    if (low[:2] < least[:2]).any() or (high > most).any():
-        size = " × ".join(f"{extent:.0f}" for extent in high - low)
-        allowed = " × ".join(f"{extent:.0f}" for extent in most - least * [1, 1, 0])
-        raise MeshError(
-            f"the print with its tower takes {size} mm, more than both nozzles reach ({allowed} mm)",
-            "scale the object down or turn it",
-        )
 
 
 def _warnings(cut: Slices, model: SurfaceModel, lines: Contours, samples: Samples) -> list[str]:

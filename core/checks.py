@@ -1,0 +1,99 @@
+"""What is looked at before a print may become a file: reach, temperatures, numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .errors import MeshError, PrintError, SettingsError
+from .model import BoolArray, FloatArray
+from .printer import REPLICATOR_2X
+from .settings import PrintSettings
+from .slicing.outlines import bounds
+from .toolpaths.moves import Feature, Moves
+
+# Below this no filament that this printer takes can be pushed through a nozzle.
+COLDEST_NOZZLE_C = 150.0
+_ROUNDING_MM = 1e-6
+_HINTS = {
+    Feature.TOWER: "set tower_type to none or make the tower smaller",
+    Feature.OOZE_SHIELD: "lower the distance of the ooze shield",
+    Feature.BRIM: "make the brim narrower",
+    Feature.RAFT: "make the raft smaller",
+    Feature.SKIRT: "lower skirt_distance or set skirts to 0",
+}
+
+
+def check(moves: Moves, settings: PrintSettings) -> None:
+    """Raise the first thing that forbids printing these moves; all is well otherwise.
+
+    Args:
+        moves: the print.
+        settings: of the print.
+
+    Raises:
+        PrintError: a number is not finite.
+        MeshError: the print leaves the reach of the nozzles.
+        SettingsError: a nozzle is too cold to print or hotter than the printer allows.
+    """
+    check_numbers(moves)
+    check_reach(moves)
+    check_temperatures(moves, settings)
+
+
+def check_numbers(moves: Moves) -> None:
+    """Every number of every move is finite, every speed above 0."""
+    for column, what in ((moves.position, "place"), (moves.filament, "amount of filament"), (moves.speed, "speed")):
+        if not np.isfinite(column).all():
+            raise PrintError(
+                f"a move has a {what} that is not a number", "check the mesh and the settings for extreme values"
+            )
+    if len(moves.speed) and moves.speed.min() <= 0:
+        raise PrintError("a move has no speed", "check the settings for extreme values")
+
+
+def check_reach(moves: Moves) -> None:
+    """All strands inside the reach of both nozzles, all travels above the bed."""
+    strand = moves.extrudes
+    if not strand.any():
+        return
+    low, high = bounds(moves.position, strand)
+    least, most = (np.array(corner) for corner in (REPLICATOR_2X.reach_min, REPLICATOR_2X.reach_max))
+    if (low < least - _ROUNDING_MM).any() or (high > most + _ROUNDING_MM).any():
+        raise _out_of_reach(moves, low, high, least, most)
+    bed_low, bed_high = (np.array(corner) for corner in (REPLICATOR_2X.bed_min, REPLICATOR_2X.bed_max))
+    if (moves.position.min(axis=0) < bed_low).any() or (moves.position.max(axis=0) > bed_high).any():
+        raise MeshError("the nozzle would travel beyond the bed", "lower z_hop or the height of the object")
+
+
+def _out_of_reach(moves: Moves, low: FloatArray, high: FloatArray, least: FloatArray, most: FloatArray) -> MeshError:
+    outside: BoolArray = ((moves.position < least) | (moves.position > most)).any(axis=1) & moves.extrudes
+    features = {Feature(feature) for feature in np.unique(moves.feature[outside])}
+    surplus = [feature for feature in _HINTS if feature in features]
+    allowed = " × ".join(f"{extent:.0f}" for extent in most - least)
+    if surplus and features <= set(_HINTS):
+        what = surplus[0].name.lower().replace("_", " ")
+        return MeshError(f"the {what} leaves what both nozzles reach ({allowed} mm)", _HINTS[surplus[0]])
+    size = " × ".join(f"{extent:.0f}" for extent in high - np.append(low[:2], 0.0))
+    if (high - low <= most - least).all() and high[2] <= most[2]:
+        return MeshError(
+            f"the print of {size} mm lies beside what both nozzles reach ({allowed} mm)",
+            "move it to the middle or set center_on_bed",
+        )
+    return MeshError(
+        f"the print with its tower takes {size} mm, more than both nozzles reach ({allowed} mm)",
+        "scale the object down or turn it",
+    )
+
+
+def check_temperatures(moves: Moves, settings: PrintSettings) -> None:
+    """Nozzles that print are hot, and nothing gets hotter than the printer allows."""
+    hottest_nozzle, hottest_bed = REPLICATOR_2X.max_temperature_c
+    for tool in np.unique(moves.tool[moves.extrudes]).tolist():
+        name = f"nozzle_temperature_{tool}"
+        degrees = getattr(settings, name)
+        if not COLDEST_NOZZLE_C <= degrees <= hottest_nozzle:
+            hint = f"set it between {COLDEST_NOZZLE_C:g} and {hottest_nozzle:g} °C"
+            raise SettingsError(f"{name} = {degrees:g} °C cannot print", hint)
+    if settings.bed_temperature > hottest_bed:
+        hint = f"set it to {hottest_bed:g} °C at most"
+        raise SettingsError(f"bed_temperature = {settings.bed_temperature:g} °C is too hot", hint)
