@@ -39,6 +39,8 @@ def test_progress_follows_time_not_rows():
     # all four layers take as long, the first one without a tool change
     starts = np.searchsorted(moves.layer, [1, 2, 3])
     assert np.diff(share[starts]) == pytest.approx(1 / 4, abs=0.01)
+    moves.speed[: starts[1]] /= 10  # the first half gets slow
+    assert progress(moves)[starts[1]] > 0.8
 
 
 def test_heating_waits_for_the_bed_then_for_the_nozzles():
