@@ -166,9 +166,9 @@ def _moves(outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices,
 def _warnings(cut: Slices, model: SurfaceModel, lines: Contours, samples: Samples) -> list[str]:
     warnings = []
     if cut.united_layers:
-        warnings.append(f"outlines cross in {cut.united_layers} layers and were united there")
+        warnings.append(f"outlines that cross were united: in {cut.united_layers} of {len(cut.layers)} layers")
     if cut.specks:
-        warnings.append(f"{cut.specks} outlines are smaller than a strand and are left out")
+        warnings.append(f"outlines smaller than a strand are left out: {cut.specks} in all layers")
     if not model.textures and model.corner_tone is None:
         warnings.append("the object has no texture and no colour attribute: it prints in one even tone")
     thin = float((lines.width < 0.999 * lines.width.max()).mean()) if len(lines.width) else 0.0
@@ -177,7 +177,7 @@ def _warnings(cut: Slices, model: SurfaceModel, lines: Contours, samples: Sample
     short = int((np.diff(samples.start) == 0).sum())
     if len(samples.arc) and short:
         warnings.append(
-            f"{short} of {len(lines.layer)} outlines are too short for the pattern and print without a wave"
+            f"outlines too short for the pattern print without a wave: {short} of {len(lines.layer)} in all layers"
         )
     return warnings
 

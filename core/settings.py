@@ -72,7 +72,7 @@ class PrintSettings:
     )
     flat_layers: int = setting(0, "Layers at the bottom that are printed without a wave", "", 0, 1000, group="pattern")
     chord_tolerance: float = setting(
-        0.03, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
+        0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
     )
 
     # Texture
@@ -166,7 +166,7 @@ class PrintSettings:
         1000.0, "Greatest sideways acceleration in curves; more is faster and shakes more", "mm/s2", 100.0, 20000.0
     )
     min_move_time: float = setting(
-        10.0,
+        8.0,
         "Curves of shorter moves are printed slower, for the printer's queue of moves not to run dry",
         "ms",
         0.0,

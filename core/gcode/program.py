@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..breakdown import progress
+from ..model import BoolArray, IntArray
 from ..printer import REPLICATOR_2X
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Moves
@@ -150,10 +151,10 @@ def _insertions(moves: Moves, kept_before: IntArray) -> tuple[IntArray, list[lis
     tool_starts[0] = False
     feature_starts = _feature_starts(moves)
     rows = np.flatnonzero(layer_starts | tool_starts | feature_starts)
-    progress = _progress(moves)[rows]
+    passed = (progress(moves) * 100).astype(np.int64).clip(0, 99)[rows]
     insertions = []
     shown = 0
-    for row, percent in zip(rows.tolist(), progress.tolist(), strict=True):
+    for row, percent in zip(rows.tolist(), passed.tolist(), strict=True):
         lines = [f"; layer {moves.layer[row]}"] if layer_starts[row] else []
         if layer_starts[row] and percent > shown:
             lines.append(f"M73 P{percent}")
@@ -171,14 +172,3 @@ def _feature_starts(moves: Moves) -> BoolArray:
     starts = np.zeros(len(moves.feature), dtype=bool)
     starts[rows] = np.diff(moves.feature[rows], prepend=-1) != 0
     return starts
-
-
-def _progress(moves: Moves) -> IntArray:
-    """(M,) share in % of the print's time that has passed before each row, 0 to 99; accelerations left out."""
-    way = np.zeros(len(moves.tool))
-    step = np.diff(moves.position, axis=0)
-    way[1:] = np.sqrt(np.einsum("ij,ij->i", step, step))
-    seconds: FloatArray = np.maximum(way, np.where(way == 0, np.abs(moves.filament), 0)) / np.maximum(moves.speed, 1e-3)
-    passed = np.cumsum(seconds) - seconds
-    total = passed[-1] + seconds[-1]
-    return (passed * (100 / total) if total > 0 else passed).astype(np.int64).clip(0, 99)

@@ -11,12 +11,12 @@ v² / radius stays below `max_curve_acceleration`, by default what the firmware 
 (`ACCELERATION_MIN_SEGMENT_TIME`); below `ACCELERATION_SLOWDOWN_LIMIT` (4 to 8) queued moves it scales the speed down
 with what is left. Neither happens as long as moves are planned faster than they are printed. The planner is a fixed
 point one on a 16 MHz AVR; Marlin, whose floating point planner its authors measured to be five times slower, grants
-itself 200 moves a second on the same chip. `min_move_time` defaults to twice that time, 10 ms, counted over half a
+itself 200 moves a second on the same chip. `min_move_time` defaults to 8 ms, 125 moves a second, counted over half a
 queue: one short chord between longer ones starves nobody.
 
 The two belong together with the tessellation: where curvature rules, a chord with sagitta e takes √(8 e / acceleration)
-whatever the radius, 8.9 ms for 0.01 mm and 15.5 ms for 0.03 mm. So finer chords than `chord_tolerance`'s 0.03 mm, which
-no 0.4 mm line shows, would be paid for with speed; and 20 ms for every move would cost a sixth of the print time.
+whatever the radius: 8.9 ms for the default `chord_tolerance` of 0.01 mm, 15.5 ms for 0.03 mm. So finer chords would be
+paid for with speed, coarser ones gain little, and 20 ms for every move would cost a sixth of the time.
 """
 
 from __future__ import annotations
