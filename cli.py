@@ -1,4 +1,4 @@
-"""The command line: `dualcolor print` and `dualcolor demo`, alone or as `blender -b --command dualcolor …`."""
+"""The command line: `dualcolor print`, `render` and `demo`, alone or as `blender -b --command dualcolor …`."""
 
 from __future__ import annotations
 
@@ -46,13 +46,19 @@ def main(argv: Sequence[str]) -> int:
         settings = _settings(args.preset, args.settings, dict(changes))
         paths = _outputs(args)
         with OutputFiles(paths.values()) as files:
-            result = _demo(settings, paths, files) if args.command == "demo" else _print(args, settings, paths, files)
+            if args.command == "render":
+                message = _render(args.file, paths, files)
+            elif args.command == "demo":
+                message = _summary(_demo(settings, paths, files))
+            else:
+                message = _summary(_print(args, settings, paths, files))
     except PrintError as problem:
         print("error:", " ".join(str(problem).split()), file=sys.stderr)
         return USER_ERROR
     except KeyboardInterrupt:
         return INTERRUPTED
-    print(_summary(result, paths))
+    written = [f"wrote {path} ({_size(path.stat().st_size)})" for path in paths.values()]
+    print("\n".join([*message, *written]))
     return DONE
 
 
@@ -94,6 +100,11 @@ def make_parser() -> argparse.ArgumentParser:
     outputs.add_argument("--report", type=Path, metavar="F.json", help="figures of the print")
     outputs.add_argument("--save-settings", type=Path, metavar="F.json", help="all settings, for --settings")
     outputs.add_argument("--dump", type=Path, metavar="F.npz", help="outlines, waves and tones for checks")
+    picture = commands.add_parser("render", help="show the print in a G-code or X3G file")
+    picture.add_argument("file", type=Path, metavar="FILE", help=".gcode or .x3g file for the Replicator 2X")
+    picture.add_argument("--blend", type=Path, metavar="F.blend", help="Blender file with the strands")
+    picture.add_argument("--render", type=Path, metavar="F.png", help="picture of the predicted print, by Cycles")
+    picture.set_defaults(set=[], preset=[], settings=None)
     demo = commands.add_parser("demo", help="print a sample that the program makes itself: Suzanne in a calico coat")
     demo.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder of the files (default: out)")
     _add_settings(demo)
@@ -150,8 +161,8 @@ def _outputs(args: argparse.Namespace) -> dict[str, Path]:
     Raises:
         OutputError: the demo's folder cannot be made.
     """
-    if args.command == "print":
-        return {kind: getattr(args, kind) for kind in OUTPUTS if getattr(args, kind) is not None}
+    if args.command != "demo":
+        return {kind: getattr(args, kind) for kind in OUTPUTS if getattr(args, kind, None) is not None}
     try:
         args.out.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
@@ -241,13 +252,32 @@ def _show(
     progress: _Progress,
 ) -> None:
     """Strands in the scene, saved and rendered."""
-    import bpy
-
     from .bridge.curves import build_preview
-    from .bridge.render import render_prediction
 
     progress.show(1.0, "building the strands")
-    strands = build_preview(result, obj)
+    _save(build_preview(result, obj), paths, files, progress)
+
+
+def _render(file: Path, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+    """Strands of a file, saved and rendered."""
+    import bpy
+
+    from .bridge.print_file import show_file
+    from .bridge.quiet import quiet_stdout
+
+    with quiet_stdout(), _Progress() as progress:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        progress.show(0.0, "reading the file")
+        shown = show_file(file)
+        _save(shown, paths, files, progress)
+    return [f"{file.name}: {sum(len(held.data.curves) for held in shown.objects)} strands"]
+
+
+def _save(strands: bpy.types.Collection, paths: dict[str, Path], files: OutputFiles, progress: _Progress) -> None:
+    import bpy
+
+    from .bridge.render import render_prediction
+
     if "blend" in paths:
         bpy.ops.wm.save_as_mainfile(filepath=str(files.staged(paths["blend"]).resolve()), copy=True, compress=True)
     if "render" in paths:
@@ -255,20 +285,18 @@ def _show(
         render_prediction(strands, files.staged(paths["render"]))
 
 
-def _summary(result: DualColorPrint, paths: dict[str, Path]) -> str:
+def _summary(result: DualColorPrint) -> list[str]:
     report = result.report
     low, high = report["bounds_mm"]
     size = " × ".join(f"{b - a:.1f}" for a, b in zip(low, high, strict=True))
     hours, minutes = divmod(round(report["time_s"]["total"] / 60), 60)
     filament = report["filament"]
-    lines = [
+    return [
         f"{result.name}: {size} mm, {report['layers']} layers, {report['tool_changes']} tool changes",
         f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
         f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
-        *(f"wrote {path} ({_size(path.stat().st_size)})" for path in paths.values()),
         *(f"warning: {warning}" for warning in result.warnings),
     ]
-    return "\n".join(lines)
 
 
 def _size(count: int) -> str:

@@ -8,6 +8,7 @@ from . import cli
 from .bridge import properties, results
 from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
+from .operators.import_print import DUALCOLOR_OT_import_print
 from .operators.render import DUALCOLOR_OT_render_prediction
 from .panels.sidebar import PANELS
 
@@ -15,24 +16,27 @@ CLASSES = (
     DUALCOLOR_OT_generate,
     DUALCOLOR_OT_export_gcode,
     DUALCOLOR_OT_export_x3g,
+    DUALCOLOR_OT_import_print,
     DUALCOLOR_OT_render_prediction,
     *PANELS,
 )
 
 
 def register() -> None:
-    """Add the settings, the operators, the sidebar tab, the entry of the export menu and the command line."""
+    """Add the settings, the operators, the sidebar tab, the entries of the menus and the command line."""
     properties.register()
     results.register()
     for added in CLASSES:
         bpy.utils.register_class(added)
     bpy.types.TOPBAR_MT_file_export.append(_draw_export_entry)
+    bpy.types.TOPBAR_MT_file_import.append(_draw_import_entry)
     cli.register_command()
 
 
 def unregister() -> None:
     """Remove them in the reverse order."""
     cli.unregister_command()
+    bpy.types.TOPBAR_MT_file_import.remove(_draw_import_entry)
     bpy.types.TOPBAR_MT_file_export.remove(_draw_export_entry)
     for added in reversed(CLASSES):
         bpy.utils.unregister_class(added)
@@ -43,3 +47,7 @@ def unregister() -> None:
 def _draw_export_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
     self.layout.operator(DUALCOLOR_OT_export_gcode.bl_idname, text="Dual-Color G-code (.gcode)")
     self.layout.operator(DUALCOLOR_OT_export_x3g.bl_idname, text="Dual-Color X3G (.x3g)")
+
+
+def _draw_import_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    self.layout.operator(DUALCOLOR_OT_import_print.bl_idname, text="Dual-Color G-code (.gcode, .x3g)")

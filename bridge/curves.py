@@ -14,6 +14,7 @@ from .plastics import plastic
 from .units import mm_per_unit
 
 if TYPE_CHECKING:
+    from ..core.gcode.reader import ReadPrint
     from ..core.pipeline import DualColorPrint
 
 SOURCE_KEY = "dualcolor_source"
@@ -24,15 +25,16 @@ _ROUNDNESS_LEVELS = 4
 """From oval to round in three steps, each a change of the diameters by a twelfth."""
 
 
-def build_preview(result: DualColorPrint, source: bpy.types.Object | None = None) -> bpy.types.Collection:
+def build_preview(result: DualColorPrint | ReadPrint, source: bpy.types.Object | None = None) -> bpy.types.Collection:
     """Show the print as strands in the current scene, where its source stands, and the source as its bounds only.
 
     The collection `<object> Dual-Color` is made, or its strands are replaced once the new ones are complete. It holds
     one object a filament (and height-to-width ratio): poly lines with a `radius`, and `layer` and `feature` of each.
 
     Args:
-        result: the print.
-        source: the mesh object that it was made from; without it the print stands on the bed, at the world's origin.
+        result: the print, generated or read from a file.
+        source: the mesh object that it was generated from; without it the print stands on the bed, at the
+            world's origin.
 
     Returns:
         The collection, linked to the scene.

@@ -12,6 +12,8 @@ from .spans import unsupported_distance
 from .toolpaths.moves import Moves
 
 _PIECE = 0.25  # mm between the points of a line over air, at least where it begins to be
+_TOUCHING = 0.01  # mm; lines side by side are a half width away from one between them, give or take the last digit
+_ROUNDING = 0.02  # of a piece: lengths of round numbers are cut alike whatever their last digit
 _SAG_OF_1_MM = (3 * 1040 * 9.81 * 1.0 * 1e-12 / (128 * 1e4)) ** (1 / 3) * 1e3  # see `sag_depth`
 
 
@@ -111,13 +113,12 @@ def settled(laid: Strands, sag: float) -> Strands:
     """
     if not len(laid):
         return laid
-    dense, inserted = _subdivided(laid)
+    dense, left = _subdivided(laid)
     free = unsupported_distance(dense.points, dense.start, dense.layer, dense.width)
-    over_air = free > 0
+    over_air = free > _TOUCHING
     roundness = _eased(free / (dense.width / 2))
     # A line that rests on material needs no points between its ends, one that is round all over only every second.
-    wanted = ~inserted | _or_next_to(over_air)
-    wanted[1::2] &= ~inserted[1::2] | _or_next_to(roundness < 1)[1::2]
+    wanted = (left == 0) | (_or_next_to(over_air) & ((left % 2 == 0) | _or_next_to(roundness < 1)))
     counts = np.add.reduceat(wanted, dense.start[:-1])
     points, width = dense.points[wanted], dense.width[wanted]
     flat = _steps(points)
@@ -193,19 +194,19 @@ def semi_axes(
     return radius * stretch, radius / stretch
 
 
-def _subdivided(laid: Strands) -> tuple[Strands, BoolArray]:
-    """The strands with points between those that are far apart, and (N,) which points those are."""
+def _subdivided(laid: Strands) -> tuple[Strands, IntArray]:
+    """The strands with points between those that are far apart, and (N,) how many steps are left to an old one."""
     lengths = _steps(laid.points)
     lengths[laid.start[:-1]] = 0.0
-    pieces = np.maximum(np.ceil(lengths / _PIECE), 1).astype(np.int64)
+    pieces = np.maximum(np.ceil(lengths / _PIECE - _ROUNDING), 1).astype(np.int64)
     source = np.repeat(np.arange(len(pieces)), pieces)
     ends = np.cumsum(pieces)
-    left = (ends[source] - 1 - np.arange(len(source))) / pieces[source]
+    left = ends[source] - 1 - np.arange(len(source))
     points = laid.points[source]
-    points -= left[:, None] * (points - laid.points[np.maximum(source - 1, 0)])
+    points -= (left / pieces[source])[:, None] * (points - laid.points[np.maximum(source - 1, 0)])
     start = np.concatenate([[0], ends])[laid.start]
     dense = replace(laid, points=points, start=start, width=laid.width[source], roundness=laid.roundness[source])
-    return dense, left > 0
+    return dense, left
 
 
 def _steps(points: FloatArray) -> FloatArray:

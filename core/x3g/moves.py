@@ -1,0 +1,55 @@
+"""An X3G file back into moves, as far as its whole motor steps tell them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..gcode.reader import ReadPrint
+from ..model import BoolArray, FloatArray
+from ..printer import REPLICATOR_2X
+from ..settings import PrintSettings
+from ..toolpaths.recovered import UNKNOWN, recovered_moves
+from .reader import read_x3g
+
+_LONGEST_GAP = 0.6  # mm; a step of filament makes a quarter of a millimetre of a usual line
+
+
+def moves_of_x3g(data: bytes, name: str, settings: PrintSettings | None = None) -> ReadPrint:
+    """Read a file. It does not tell what its lines are for, so all are taken for outer walls.
+
+    Args:
+        data: the file.
+        name: of the print.
+        settings: of the print, defaults if they are not known.
+
+    Raises:
+        PrintError: it is damaged, or lays down no plastic.
+    """
+    settings = settings or PrintSettings()
+    found = read_x3g(data)
+    rows = np.flatnonzero(found.moves & found.known[:, :3].all(axis=1))
+    per_mm = np.array(REPLICATOR_2X.steps_per_mm)
+    position = found.steps[rows, :3] / per_mm[:3]
+    fed = -found.way[rows, 3:].sum(axis=1) / per_mm[3]
+    step = np.diff(position, axis=0, prepend=position[:1])
+    way = np.sqrt(np.einsum("ij,ij->i", step, step))
+    fed = _spread(fed, way, step[:, 2] == 0)
+    speed = np.nan_to_num(found.speed[rows], nan=60.0)
+    feature = np.full(len(rows), UNKNOWN)
+    steps = (float(1 / per_mm[0]), float(1 / per_mm[3]))
+    tool = np.maximum(found.tool[rows], 0)
+    return ReadPrint(name, settings, recovered_moves(position, tool, fed, speed, feature, settings, steps))
+
+
+def _spread(fed: FloatArray, way: FloatArray, level: BoolArray) -> FloatArray:
+    """(M,) filament of each move, where short moves between those that feed get their share of whole steps."""
+    idle = (fed == 0) & (way > 0) & level
+    arc, total = np.cumsum(way), np.cumsum(fed)
+    place = np.arange(len(fed))
+    before = np.maximum.accumulate(np.where(idle, 0, place))
+    after = np.minimum.accumulate(np.where(idle, len(fed) - 1, place)[::-1])[::-1]
+    gap = idle & (fed[before] > 0) & (fed[after] > 0) & (way[after] > 0) & level[after]
+    gap &= arc[after] - arc[before] - way[after] <= _LONGEST_GAP
+    even = np.interp(arc, arc[~gap], total[~gap])
+    spread: FloatArray = np.diff(np.where(gap, even, total), prepend=0.0)
+    return spread

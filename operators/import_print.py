@@ -1,0 +1,31 @@
+"""Import Replicator 2X G-code."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy_extras.io_utils import ImportHelper
+
+from ..bridge.print_file import show_file
+from ..core.errors import PrintError
+
+
+class DUALCOLOR_OT_import_print(ImportHelper, bpy.types.Operator):
+    """Show the print in a G-code or X3G file for the Replicator 2X as strands"""
+
+    bl_idname = "dualcolor.import_print"
+    bl_label = "Import Replicator 2X G-code"
+    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
+    filename_ext = ".gcode"
+    filter_glob: bpy.props.StringProperty(default="*.gcode;*.x3g", options={"HIDDEN"})
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Read the file and build the strands."""
+        try:
+            shown = show_file(Path(bpy.path.abspath(self.filepath)))
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{shown.name}: {len(shown.objects)} objects")
+        return {"FINISHED"}
