@@ -5,11 +5,12 @@ from __future__ import annotations
 import bpy
 
 from . import cli
-from .bridge import properties, results
+from .bridge import properties, results, scrubber
 from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
 from .operators.import_print import DUALCOLOR_OT_import_print
 from .operators.render import DUALCOLOR_OT_render_prediction
+from .panels.scrubber import DUALCOLOR_PT_scrubber
 from .panels.sidebar import PANELS
 
 CLASSES = (
@@ -19,6 +20,7 @@ CLASSES = (
     DUALCOLOR_OT_import_print,
     DUALCOLOR_OT_render_prediction,
     *PANELS,
+    DUALCOLOR_PT_scrubber,
 )
 
 
@@ -26,6 +28,7 @@ def register() -> None:
     """Add the settings, the operators, the sidebar tab, the entries of the menus and the command line."""
     properties.register()
     results.register()
+    scrubber.register()
     for added in CLASSES:
         bpy.utils.register_class(added)
     bpy.types.TOPBAR_MT_file_export.append(_draw_export_entry)
@@ -40,6 +43,7 @@ def unregister() -> None:
     bpy.types.TOPBAR_MT_file_export.remove(_draw_export_entry)
     for added in reversed(CLASSES):
         bpy.utils.unregister_class(added)
+    scrubber.unregister()
     results.unregister()
     properties.unregister()
 

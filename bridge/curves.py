@@ -11,6 +11,7 @@ from ..core.beads import Strands, settled, split_by_roundness, strands
 from ..core.model import BoolArray, FloatArray, IntArray, TriangleMesh
 from .mesh_input import evaluated_mesh
 from .plastics import plastic
+from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers
 from .units import mm_per_unit
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from ..core.pipeline import DualColorPrint
 
 SOURCE_KEY = "dualcolor_source"
-STRANDS_KEY = "dualcolor_strands"
 _DISPLAY_KEY = "dualcolor_display"
 _RATIO_STEP = 1.5
 _ROUNDNESS_LEVELS = 4
@@ -51,6 +51,7 @@ def build_preview(result: DualColorPrint | ReadPrint, source: bpy.types.Object |
     collection = preview_of(source) if source else bpy.data.collections.get(f"{name} Dual-Color")
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
     _replace_strands(collection, new, name)
+    show_all_layers(collection, int(laid.layer.max()) if len(laid) else 0)
     if collection not in scene.collection.children_recursive:
         scene.collection.children.link(collection)
     set_drawing(scene)
@@ -61,7 +62,9 @@ def build_preview(result: DualColorPrint | ReadPrint, source: bpy.types.Object |
 
 
 def preview_of(source: bpy.types.Object) -> bpy.types.Collection | None:
-    """The collection that holds the strands of an object, or None."""
+    """The collection that holds the strands of an object, or the given strands; None if there is none."""
+    if source.get(STRANDS_KEY):
+        return next((held for held in source.users_collection if LAST_LAYER_KEY in held), None)
     return next((held for held in bpy.data.collections if held.get(SOURCE_KEY) == source), None)
 
 

@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor import cli  # noqa: E402
-from dualcolor.bridge.curves import build_preview, read_strands  # noqa: E402
+from dualcolor.bridge.curves import build_preview, preview_of, read_strands  # noqa: E402
 from dualcolor.bridge.print_file import read_print, show_file  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.core.beads import strands, volume_mm3  # noqa: E402
@@ -103,4 +103,5 @@ def test_the_operator(scene, gcode):
             bpy.ops.dualcolor.import_print(filepath=str(gcode) + "x")
     finally:
         dualcolor.unregister()
-    assert any(held.objects for held in bpy.data.collections)
+    (shown_print,) = [held for held in bpy.data.collections if held.objects]
+    assert preview_of(shown_print.objects[0]) == shown_print

@@ -1,0 +1,76 @@
+"""Hiding strands by layer and feature changes what is seen and nothing that is stored."""
+
+import numpy as np
+import pytest
+from sample_print import LAYERS, square_print
+
+bpy = pytest.importorskip("bpy")
+
+import dualcolor  # noqa: E402
+from dualcolor.bridge.curves import build_preview, read_strands  # noqa: E402
+from dualcolor.bridge.scrubber import KINDS, last_layer  # noqa: E402
+from dualcolor.core.toolpaths.moves import Feature  # noqa: E402
+
+
+@pytest.fixture
+def preview(scene):
+    dualcolor.register()
+    yield build_preview(square_print())
+    dualcolor.unregister()
+
+
+def visible(collection):
+    """(layer, feature) of all strands that are seen."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    found = set()
+    for held in collection.objects:
+        data = held.evaluated_get(depsgraph).data
+        columns = []
+        for label in ("layer", "feature"):
+            values = np.zeros(len(data.curves), dtype=np.int32)
+            if label in data.attributes:
+                data.attributes[label].data.foreach_get("value", values)
+            columns.append(values.tolist())
+        found |= set(zip(*columns, strict=True))
+    return found
+
+
+def test_all_is_visible_at_first_without_any_modifier(preview):
+    assert last_layer(preview) == LAYERS - 1
+    assert visible(preview) == {(n, f) for n in range(LAYERS) for f in (Feature.OUTER_WALL, Feature.TOWER)}
+    assert not any(len(held.modifiers) for held in preview.objects)
+
+
+def test_a_range_of_layers(preview):
+    preview.dualcolor_view.layer_from, preview.dualcolor_view.layer_to = 2, 4
+    assert {layer for layer, _ in visible(preview)} == {2, 3, 4}
+    assert sum(len(read_strands(held)[1]) for held in preview.objects) == 2 * LAYERS
+    preview.dualcolor_view.layer_from, preview.dualcolor_view.layer_to = 0, LAYERS - 1
+    assert {layer for layer, _ in visible(preview)} == set(range(LAYERS))
+
+
+def test_kinds_of_features(preview):
+    preview.dualcolor_view.show_tower = False
+    assert {feature for _, feature in visible(preview)} == {Feature.OUTER_WALL}
+    preview.dualcolor_view.show_tower, preview.dualcolor_view.show_walls = True, False
+    assert {feature for _, feature in visible(preview)} == {Feature.TOWER}
+
+
+def test_every_feature_that_is_laid_down_has_a_kind():
+    assert sorted(feature for of in KINDS.values() for feature in of) == [f for f in Feature if f > Feature.RETRACT]
+
+
+def test_new_strands_keep_the_hidden_kinds_and_show_all_layers(preview):
+    preview.dualcolor_view.layer_to, preview.dualcolor_view.show_tower = 3, False
+    build_preview(square_print())
+    assert visible(preview) == {(n, Feature.OUTER_WALL) for n in range(LAYERS)}
+    assert len(bpy.data.node_groups) == 1
+
+
+def test_colours_of_features_and_back(preview):
+    before = [held.data.materials[0] for held in preview.objects]
+    preview.dualcolor_view.colour_by = "FEATURE"
+    assert {held.material_slots[0].material.name for held in preview.objects} == {"Strand Features"}
+    assert [held.data.materials[0] for held in preview.objects] == before
+    preview.dualcolor_view.colour_by = "FILAMENT"
+    assert [held.material_slots[0].material for held in preview.objects] == before
