@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 
 from .model import BoolArray, FloatArray, IntArray
@@ -32,23 +30,45 @@ def unsupported_distance(points: FloatArray, start: IntArray, layer: IntArray, w
     free = np.zeros(len(points))
     if not len(layer):
         return free
+    flat = np.ascontiguousarray(points[:, :2])
     level = np.repeat(layer, np.diff(start))
-    arc = _arc(points, start)
+    arc = _arc(flat, start)
     open_ = np.flatnonzero(level > level.min())
     free[open_] = FARTHEST
     for reach, spacing in _SEARCHES:
-        below = np.flatnonzero(_thinned(arc, start, spacing))
-        carriers = points[below, :2]
-        search = partial(_nearest, PointGrid(carriers, level[below], reach), carriers)
-        found, is_near = in_chunks(search, points[open_, :2], level[open_] - 1)
-        near, carrier = open_[is_near], below[found[is_near]]
-        distance = _to_strand(points[near, :2], carrier, points, start)
+        below = _Carriers(flat, start, level, _thinned(arc, start, spacing), reach)
+        distance, carrier = in_chunks(below.nearest, flat[open_], level[open_] - 1)
         hit = distance <= reach
-        free[near[hit]] = np.clip(distance - width[carrier] / 2, 0.0, FARTHEST)[hit]
-        is_settled = is_near.copy()
-        is_settled[is_near] = hit
-        open_ = open_[~is_settled]
+        free[open_[hit]] = np.clip(distance[hit] - width[carrier[hit]] / 2, 0.0, FARTHEST)
+        open_ = open_[~hit]
     return free
+
+
+class _Carriers:
+    """Some points of the strands, to be found by what lies above them."""
+
+    def __init__(self, points: FloatArray, start: IntArray, level: IntArray, chosen: BoolArray, reach: float) -> None:
+        self._points = points
+        self._chosen = np.flatnonzero(chosen)
+        self._grid = PointGrid(points[self._chosen], level[self._chosen], reach)
+        # Neighbours along the strand; the ends are their own.
+        self._before = np.arange(-1, len(points) - 1)
+        self._before[start[:-1]] += 1
+        self._after = np.arange(1, len(points) + 1)
+        self._after[start[1:] - 1] -= 1
+
+    def nearest(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, IntArray]:
+        """(Q,) mm to the strands around the nearest point of a layer, inf if there is none, and (Q,) that point."""
+        found, group = self._grid.candidates(query, layer)
+        if not len(found):
+            return np.full(len(query), np.inf), np.zeros(len(query), dtype=np.int64)
+        found = self._chosen[found]
+        off = self._points[found] - np.repeat(query, np.diff(group), axis=0)
+        where, is_near = nearest(np.einsum("ij,ij->i", off, off), group)
+        at = found[where]
+        here = self._points[at]
+        squares = (_square_to_segment(query, here, self._points[other[at]]) for other in (self._before, self._after))
+        return np.where(is_near, np.sqrt(np.minimum(*squares)), np.inf), at
 
 
 def _arc(points: FloatArray, start: IntArray) -> FloatArray:
@@ -66,32 +86,6 @@ def _thinned(arc: FloatArray, start: IntArray, spacing: float) -> BoolArray:
     kept[1:] = cell[1:] != cell[:-1]
     kept[start[:-1]] = kept[start[1:] - 1] = True
     return kept
-
-
-def _nearest(grid: PointGrid, points: FloatArray, query: FloatArray, layer: IntArray) -> tuple[IntArray, BoolArray]:
-    """(Q,) index of the nearest of a layer's points, and whether there is any in the cells around."""
-    found, group = grid.candidates(query, layer)
-    if not len(found):
-        return np.zeros(len(query), dtype=np.int64), np.zeros(len(query), dtype=bool)
-    counts = np.diff(group)
-    x = points[found, 0] - np.repeat(query[:, 0], counts)
-    y = points[found, 1] - np.repeat(query[:, 1], counts)
-    where, is_near = nearest(x * x + y * y, group)
-    return found[where], is_near
-
-
-def _to_strand(query: FloatArray, at: IntArray, points: FloatArray, start: IntArray) -> FloatArray:
-    """(Q,) mm from each query to the nearer of the two segments that meet at its point `at` of a strand."""
-    ends = np.zeros(len(points), dtype=bool)
-    ends[start[1:] - 1] = True
-    begins = np.zeros(len(points), dtype=bool)
-    begins[start[:-1]] = True
-    squares = [
-        _square_to_segment(query, points[at, :2], points[at + step, :2])
-        for step in (np.where(ends[at], 0, 1), np.where(begins[at], 0, -1))
-    ]
-    distance: FloatArray = np.sqrt(np.minimum(*squares))
-    return distance
 
 
 def _square_to_segment(query: FloatArray, begin: FloatArray, end: FloatArray) -> FloatArray:
