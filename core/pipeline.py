@@ -122,9 +122,10 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         yield stage(0.7, "supports")
         holding = supports(cut, lines, depth, settings)
         inner = Paths.joined([fill, holding.paths])
-        alone = beside.submit(clock.timed, "single color", single_color_seconds, outlines, inner, cut.layers, settings)
         yield stage(0.75, "toolpaths")
         moves = _moves(outlines, fill, holding, cut, settings)
+        # Not beside the toolpaths, whose tables are as large as its own: memory would grow by a third.
+        alone = beside.submit(clock.timed, "single color", single_color_seconds, outlines, inner, cut.layers, settings)
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
         single_color = alone.result()
