@@ -13,7 +13,7 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import Outlines, following, starts, sums
+from ..slicing.outlines import Outlines, following, preceding, starts, sums
 from .chunks import in_threads
 from .clearance import gaps
 
@@ -200,16 +200,9 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
     return np.asarray(total[centre - reach])
 
 
-def _previous(start: IntArray) -> IntArray:
-    ahead = following(start)
-    behind = np.empty_like(ahead)
-    behind[ahead] = np.arange(len(ahead))
-    return behind
-
-
 def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
     """Outward unit normals, smoothed once more so that neighbouring waves do not fan out at a corner."""
-    along = points[following(start)] - points[_previous(start)]
+    along = points[following(start)] - points[preceding(start)]
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
     normal /= np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)[:, None]
     normal = filtered(normal, start, kernel)
@@ -218,7 +211,7 @@ def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
 
 def curvature(points: FloatArray, start: IntArray) -> FloatArray:
     """(N,) 1/mm, signed: positive where a counter-clockwise line bends to the left (is convex)."""
-    ahead, behind = points[following(start)] - points, points - points[_previous(start)]
+    ahead, behind = points[following(start)] - points, points - points[preceding(start)]
     cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
     dot = (ahead * behind).sum(axis=1)
     length = (np.hypot(ahead[:, 0], ahead[:, 1]) + np.hypot(behind[:, 0], behind[:, 1])) / 2

@@ -81,7 +81,7 @@ class Outlines:
         mirrored = (self.start[:-1] + self.start[1:] - 1)[self.loop] - index
         point = np.where(turned, mirrored, index)
         # Reversed point k is old point n-1-k; the segment that leaves it is the one that used to arrive there.
-        arriving = np.where(turned, _before(self.start)[point], index)
+        arriving = np.where(turned, preceding(self.start)[point], index)
         carried = self.carried[arriving]
         carried[turned] = carried[turned, ::-1]
         return Outlines(self.points[point], self.start, self.layer, self.face[arriving], carried)
@@ -122,7 +122,8 @@ def following(start: IntArray) -> IntArray:
     return index
 
 
-def _before(start: IntArray) -> IntArray:
+def preceding(start: IntArray) -> IntArray:
+    """(N,) index of the previous member in a cyclic group, the inverse of `following`."""
     index = np.arange(-1, start[-1] - 1, dtype=np.int64)
     filled = start[1:] > start[:-1]
     index[start[:-1][filled]] = start[1:][filled] - 1

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..model import FloatArray, IntArray
 from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
-from ..slicing.outlines import sums
+from ..slicing.outlines import following, sums
 from .moves import Feature, Paths
 
 
@@ -77,7 +77,5 @@ def _rings(points: FloatArray, start: IntArray, tolerance: float) -> NDArray[np.
 
 
 def _signed_area(points: FloatArray, start: IntArray) -> FloatArray:
-    following = np.arange(1, len(points) + 1)
-    following[start[1:] - 1] = start[:-1]
-    ahead = points[following]
+    ahead = points[following(start)]
     return sums(points[:, 0] * ahead[:, 1] - points[:, 1] * ahead[:, 0], start) / 2
