@@ -1,0 +1,74 @@
+"""Arguments that several commands share, and the kinds of values that they take."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ..core.presets import preset_files, preset_values, read_settings
+from ..core.settings import PrintSettings
+
+
+def add_settings(parser: argparse.ArgumentParser) -> None:
+    """Let the user choose settings by preset, by file and one by one."""
+    parser.add_argument("--preset", action="append", default=[], metavar="NAME", help="printer, filament or quality, "
+                        f"repeatable: {', '.join(preset_files())}")  # fmt: skip
+    parser.add_argument("--settings", type=Path, metavar="FILE", help="settings by name, as JSON, or a G-code file of "
+                        "this program, to print with its settings")  # fmt: skip
+    parser.add_argument("--set", action="append", default=[], type=assignment, metavar="KEY=VALUE", help="one setting, "
+                        "repeatable; docs/settings.md lists them")  # fmt: skip
+
+
+def chosen_settings(args: argparse.Namespace) -> PrintSettings:
+    """Defaults, changed by presets, then by a file, then by single assignments.
+
+    Raises:
+        SettingsError: a preset is unknown, the file holds something else, or a setting does not fit.
+    """
+    values = preset_values(args.preset) | (read_settings(args.settings) if args.settings is not None else {})
+    return PrintSettings().changed({**values, **dict(args.set)})
+
+
+def chosen_outputs(args: argparse.Namespace, kinds: Sequence[str]) -> dict[str, Path]:
+    """The path of each kind of output that was asked for by an option of that name."""
+    return {kind: getattr(args, kind) for kind in kinds if getattr(args, kind) is not None}
+
+
+def assignment(text: str) -> tuple[str, str]:
+    """KEY=VALUE as a pair.
+
+    Raises:
+        argparse.ArgumentTypeError: there is no equals sign.
+    """
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError(f"{text!r} is not KEY=VALUE")
+    return key.strip(), value.strip()
+
+
+def positive(text: str) -> float:
+    """A number above zero.
+
+    Raises:
+        argparse.ArgumentTypeError: it is something else.
+    """
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not (math.isfinite(number) and number > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
+    return number
+
+
+def path_ending_in(*suffixes: str) -> Callable[[str], Path]:
+    """A kind of argument: paths with one of these suffixes only, since Blender and numpy would append theirs."""
+
+    def path(text: str) -> Path:
+        if Path(text).suffix.lower() not in suffixes:
+            raise argparse.ArgumentTypeError(f"{text} does not end in {' or '.join(suffixes)}")
+        return Path(text)
+
+    return path

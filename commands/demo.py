@@ -1,0 +1,52 @@
+"""`dualcolor demo`: the main job on a sample that the program makes itself."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..core.errors import OutputError
+from ..core.outputs import OutputFiles
+from .arguments import add_settings, chosen_settings
+from .produce import produce
+from .terminal import Progress, summary
+
+NAME = "demo"
+HELP = "print a sample that the program makes itself: Suzanne in a calico coat"
+SUFFIXES = {"gcode": ".gcode", "x3g": ".x3g", "blend": ".blend", "render": ".png", "report": ".json"}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder of the files (default: "
+                        "out)")  # fmt: skip
+    add_settings(parser)
+
+
+def outputs(args: argparse.Namespace) -> dict[str, Path]:
+    """The files that are to be written; their folder is made.
+
+    Raises:
+        OutputError: the folder cannot be made.
+    """
+    try:
+        args.out.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
+    return {kind: args.out / f"suzanne{suffix}" for kind, suffix in SUFFIXES.items()}
+
+
+def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+    """Make the sample, print it, and say what came out.
+
+    Raises:
+        PrintError: a setting does not fit, or a file cannot be written.
+    """
+    settings = chosen_settings(args)
+    from ..bridge.quiet import quiet_stdout
+    from ..bridge.sample import make_sample
+
+    with quiet_stdout(), Progress() as progress:
+        progress.show(0.0, "making the sample")
+        obj = make_sample()
+    return summary(produce(obj, None, settings, paths, files))

@@ -1,0 +1,50 @@
+"""What a command writes on the terminal."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..core.pipeline import DualColorPrint
+
+
+class Progress:
+    """One line on a terminal's stderr that is written over; nothing where stderr is no terminal."""
+
+    def __init__(self) -> None:
+        self._shown = sys.stderr.isatty()
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *problem: object) -> None:
+        self._write("")
+
+    def show(self, share: float, stage: str) -> None:
+        """Say how far the job is, `share` from 0 to 1."""
+        self._write(f"{share:4.0%} {stage}")
+
+    def _write(self, text: str) -> None:
+        if self._shown:
+            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def summary(result: DualColorPrint) -> list[str]:
+    """Size, time, filament and warnings of a print, a line each."""
+    report = result.report
+    low, high = report["bounds_mm"]
+    size = " × ".join(f"{b - a:.1f}" for a, b in zip(low, high, strict=True))
+    hours, minutes = divmod(round(report["time_s"]["total"] / 60), 60)
+    filament = report["filament"]
+    return [
+        f"{result.name}: {size} mm, {report['layers']} layers, {report['tool_changes']} tool changes",
+        f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
+        f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
+        *(f"warning: {warning}" for warning in result.warnings),
+    ]
+
+
+def file_size(count: int) -> str:
+    """A number of bytes as text."""
+    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
