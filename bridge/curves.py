@@ -43,11 +43,8 @@ def build_preview(result: DualColorPrint | ReadPrint, source: bpy.types.Object |
     unit = mm_per_unit(scene)
     name = source.name if source else result.name
     origin = _bed_origin(result.mesh, source, unit) if source else np.zeros(3)
-    laid, roundness = split_by_roundness(settled(strands(result.moves), result.settings.sag), _ROUNDNESS_LEVELS)
-    new = [
-        _strand_object(kind, laid.selected(chosen), ratio, unit, origin)
-        for kind, chosen, ratio in _groups(laid, roundness, result.settings.black_tool)
-    ]
+    laid = settled(strands(result.moves), result.settings.sag)
+    new = strand_objects(laid, result.settings.black_tool, unit, origin)
     collection = preview_of(source) if source else bpy.data.collections.get(f"{name} Dual-Color")
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
     _replace_strands(collection, new, name)
@@ -59,6 +56,22 @@ def build_preview(result: DualColorPrint | ReadPrint, source: bpy.types.Object |
         collection[SOURCE_KEY] = source
         show_print(source, True)
     return collection
+
+
+def strand_objects(laid: Strands, black_tool: int, unit: float, origin: FloatArray) -> list[bpy.types.Object]:
+    """Strands as objects that are not linked to any collection yet, one a filament and height-to-width ratio.
+
+    Args:
+        laid: settled strands, mm.
+        black_tool: the tool with the black filament.
+        unit: mm that a scene unit is.
+        origin: (3,) mm, where the strands' origin lies in the world.
+    """
+    parts, roundness = split_by_roundness(laid, _ROUNDNESS_LEVELS)
+    return [
+        _strand_object(kind, parts.selected(chosen), ratio, unit, origin)
+        for kind, chosen, ratio in _groups(parts, roundness, black_tool)
+    ]
 
 
 def preview_of(source: bpy.types.Object) -> bpy.types.Collection | None:

@@ -50,7 +50,7 @@ def render_prediction(
     """
     if not Path(path).absolute().parent.is_dir():
         raise OutputError(f"{path} cannot be written, its folder does not exist", "choose another path")
-    with _leaving_no_trace(), tempfile.TemporaryDirectory() as folder:
+    with leaving_no_trace(), tempfile.TemporaryDirectory() as folder:
         scene = bpy.data.scenes.new("Predicted Print")
         points = _copy_strands(collection, scene, whole_plate)
         axes = camera_axes(math.radians(azimuth_deg), math.radians(elevation_deg))
@@ -114,7 +114,7 @@ def _set_output(scene: bpy.types.Scene, path: Path, resolution: tuple[int, int],
 
 
 @contextmanager
-def _leaving_no_trace() -> Iterator[None]:
+def leaving_no_trace() -> Iterator[None]:
     """Remove every datablock that comes into being inside."""
     kinds = ("scenes", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials", "images")
     before = {kind: set(getattr(bpy.data, kind)) for kind in kinds}
