@@ -1,8 +1,9 @@
 # make demo: the sample from nothing to G-code and pictures, in out/
 # make test: all checks and tests
+# make package: the extension for Blender, in dist/
 # make benchmark: against a single-colour slicer, where one is installed
 .DELETE_ON_ERROR:
-.PHONY: demo test benchmark environment lint clean
+.PHONY: demo test package benchmark environment lint clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -19,6 +20,9 @@ lint: $(VENV)/.dev
 	$(BIN)/ruff check .
 	@# NumPy's own types differ between versions; ours are written for those of the lowest one.
 	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info >= (3, 12))'; then $(BIN)/mypy; fi
+
+package: environment
+	$(BIN)/python tools/package.py --out dist
 
 benchmark: environment
 	$(BIN)/python benchmarks/slicers.py
