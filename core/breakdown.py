@@ -125,7 +125,7 @@ def single_color_moves(outlines: WavedOutlines, paths: Paths, layers: Layers, se
 def _unwaved(outlines: WavedOutlines, tolerance: float) -> Paths:
     loop = np.repeat(np.arange(len(outlines.layer)), np.diff(outlines.start) + 1)
     closing = np.insert(outlines.base, outlines.start[1:], outlines.base[outlines.start[:-1]], axis=0)
-    lines = shapely.simplify(shapely.linestrings(closing, indices=loop), tolerance, preserve_topology=True)
+    lines = shapely.simplify(shapely.linestrings(closing, indices=loop), tolerance, preserve_topology=False)
     points, row = shapely.get_coordinates(lines, return_index=True)
     last = np.append(row[1:] != row[:-1], True)  # the point that closes the loop
     points, row = points[~last], row[~last]

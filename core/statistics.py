@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .gcode.sequences import TRAVEL_F
 from .model import BoolArray, FloatArray, IntArray
+from .pattern.chunks import in_chunks
 from .printer import REPLICATOR_2X
 from .settings import PrintSettings
 from .toolpaths.moves import Feature, Moves
@@ -21,17 +24,19 @@ class _Segments:
 
     Attributes:
         row: (S,) int64, the row of the moves.
-        direction: (S, 4) X, Y, Z and filament for each mm of length.
+        direction: X, Y, Z and filament for each mm of length, (S,) each.
         length: (S,) float64 mm, of the way or else of the filament.
         speed: (S,) float64 mm/s that the axes allow.
         acceleration: (S,) float64 mm/s² that the axes allow.
+        tool: (S,) int64.
     """
 
     row: IntArray
-    direction: FloatArray
+    direction: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
     length: FloatArray
     speed: FloatArray
     acceleration: FloatArray
+    tool: IntArray
 
 
 def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
@@ -64,8 +69,10 @@ def move_seconds(moves: Moves) -> FloatArray:
     seconds = np.zeros(len(moves.tool))
     segments = _segments(moves)
     if len(segments.row):
-        speeds = _node_speeds_squared(segments, moves.tool[segments.row])
-        seconds[segments.row] = _trapezoid_seconds(segments, speeds)
+        u = _node_speeds_squared(segments)
+        (seconds[segments.row],) = in_chunks(
+            _trapezoid_seconds, segments.length, segments.speed, segments.acceleration, u[:-1], u[1:]
+        )
     seconds[1:][np.diff(moves.tool) != 0] += REPLICATOR_2X.nozzle_distance_mm / (TRAVEL_F / 60)
     return seconds
 
@@ -82,28 +89,38 @@ def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
 
 def _segments(moves: Moves) -> _Segments:
     """The rows with a way or with filament; a row before which the place is not known (the first) has no way."""
-    step = np.zeros((len(moves.tool), 3))
-    step[1:] = np.diff(moves.position, axis=0)
-    length = np.sqrt(np.einsum("ij,ij->i", step, step))
-    still = length < _SHORTEST_MM
-    length[still] = np.abs(moves.filament[still])
-    row = np.flatnonzero(length >= _SHORTEST_MM)
-    step, length, still = step[row], length[row], still[row]
-    direction = np.where(still[:, None], 0.0, step / length[:, None])
+    before = np.concatenate([moves.position[:1], moves.position[:-1]])
+    row = np.arange(len(moves.tool))
+    columns = (row, before, moves.position, moves.filament, moves.speed, moves.tool)
+    row, x, y, z, feed, length, speed, acceleration, tool = in_chunks(_measured, *columns)
+    return _Segments(row, (x, y, z, feed), length, speed, acceleration, tool)
 
+
+def _measured(
+    row: IntArray, before: FloatArray, position: FloatArray, filament: FloatArray, speed: FloatArray, tool: IntArray
+) -> tuple[NDArray[Any], ...]:
+    """The columns of `_Segments` for some rows of the moves, without those that take no time."""
+    x, y, z = (position - before).T.copy()
+    length = np.sqrt(x * x + y * y + z * z)
+    still = length < _SHORTEST_MM
+    length[still] = np.abs(filament[still])
+    kept = length >= _SHORTEST_MM
+    if not kept.all():
+        row, x, y, z, filament, speed = (column[kept] for column in (row, x, y, z, filament, speed))
+        length, still, tool = length[kept], still[kept], tool[kept]
+    x, y, z = (np.where(still, 0.0, way / length) for way in (x, y, z))
+    feed = filament / length
+    lift, fed, level = np.abs(z), np.abs(feed), np.maximum(np.abs(x), np.abs(y))
     printer = REPLICATOR_2X
-    feed = moves.filament[row] / length
-    lift = np.abs(direction[:, 2])
-    level = np.maximum(np.abs(direction[:, 0]), np.abs(direction[:, 1]))
     with np.errstate(divide="ignore"):
-        speed = np.minimum(moves.speed[row], printer.max_speed_mm_s[3] / np.abs(feed))
+        speed = np.minimum(speed, printer.max_speed_mm_s[3] / fed)
         speed = np.minimum(speed, np.minimum(printer.max_speed_mm_s[0] / level, printer.max_speed_mm_s[2] / lift))
         acceleration = np.minimum(printer.acceleration_mm_s2[0] / level, printer.acceleration_mm_s2[2] / lift)
-        acceleration = np.minimum(acceleration, printer.acceleration_mm_s2[3] / np.abs(feed))
-    return _Segments(row, np.column_stack([direction, feed]), length, speed, acceleration)
+        acceleration = np.minimum(acceleration, printer.acceleration_mm_s2[3] / fed)
+    return row, x, y, z, feed, length, speed, acceleration, tool
 
 
-def _node_speeds_squared(segments: _Segments, tool: IntArray) -> FloatArray:
+def _node_speeds_squared(segments: _Segments) -> FloatArray:
     """(S + 1,) mm²/s², squared speed u at which each node is passed.
 
     A segment that gains `w = 2·a·length` at most ties its ends by |u_i - u_{i+1}| ≤ w. With P the sum of the w
@@ -112,7 +129,9 @@ def _node_speeds_squared(segments: _Segments, tool: IntArray) -> FloatArray:
     gain = 2 * segments.acceleration * segments.length
     before = np.concatenate([[0.0], np.cumsum(gain)])
     u = np.zeros(len(gain) + 1)
-    u[1:-1] = _corner_speeds(segments, tool) ** 2
+    if len(gain) > 1:
+        columns = [part for column in (segments.speed, *segments.direction) for part in (column[:-1], column[1:])]
+        (u[1:-1],) = in_chunks(_corner_speeds_squared, segments.tool[:-1] != segments.tool[1:], *columns)
     queue = REPLICATOR_2X.queue_moves
     u[:-queue] = np.minimum(u[:-queue], before[queue:] - before[:-queue])
     u = np.minimum.accumulate((u + before)[::-1])[::-1] - before
@@ -121,27 +140,42 @@ def _node_speeds_squared(segments: _Segments, tool: IntArray) -> FloatArray:
     return bounded
 
 
-def _corner_speeds(segments: _Segments, tool: IntArray) -> FloatArray:
-    """(S - 1,) mm/s, greatest speed between a segment and the next one."""
-    speed, direction = segments.speed, segments.direction
-    limit: FloatArray = np.minimum(speed[:-1], speed[1:])
-    turn = np.abs(np.diff(direction, axis=0))
+def _corner_speeds_squared(
+    changes: BoolArray, speed: FloatArray, next_speed: FloatArray, *directions: FloatArray
+) -> tuple[FloatArray]:
+    """(S - 1,) mm²/s², greatest squared speed between segments and the next ones; 0 where the tool changes.
+
+    Args:
+        changes: whether the next segment has another tool.
+        speed: mm/s of the segments.
+        next_speed: mm/s of the next ones.
+        directions: of the segments and of the next ones, axis by axis.
+    """
+    limit = np.minimum(speed, next_speed)
     with np.errstate(divide="ignore"):
         for axis, change in enumerate(REPLICATOR_2X.max_speed_change_mm_s):
-            limit = np.minimum(limit, change / turn[:, axis])
-    limit[tool[:-1] != tool[1:]] = 0.0
-    return limit
+            limit = np.minimum(limit, change / np.abs(directions[2 * axis + 1] - directions[2 * axis]))
+    limit[changes] = 0.0
+    return (limit**2,)
 
 
-def _trapezoid_seconds(segments: _Segments, u: FloatArray) -> FloatArray:
-    """(S,) s of each segment: speed up, keep the speed as long as there is way for it, slow down."""
-    begin, end, acceleration = u[:-1], u[1:], segments.acceleration
-    highest = np.minimum(segments.speed**2, (begin + end) / 2 + acceleration * segments.length)
+def _trapezoid_seconds(
+    length: FloatArray, speed: FloatArray, acceleration: FloatArray, begin: FloatArray, end: FloatArray
+) -> tuple[FloatArray]:
+    """(S,) s of each segment: speed up, keep the speed as long as there is way for it, slow down.
+
+    Args:
+        length: mm.
+        speed: mm/s.
+        acceleration: mm/s².
+        begin: mm²/s², squared speed at the beginning.
+        end: mm²/s², squared speed at the end.
+    """
+    highest = np.minimum(speed**2, (begin + end) / 2 + acceleration * length)
     top = np.sqrt(highest)
     ramps = (2 * top - np.sqrt(begin) - np.sqrt(end)) / acceleration
     ramp_length = (2 * highest - begin - end) / (2 * acceleration)
-    seconds: FloatArray = ramps + np.maximum(segments.length - ramp_length, 0.0) / top
-    return seconds
+    return (ramps + np.maximum(length - ramp_length, 0.0) / top,)
 
 
 def tool_change_rows(moves: Moves) -> BoolArray:
