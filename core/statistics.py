@@ -156,7 +156,7 @@ def _corner_speeds_squared(
         for axis, change in enumerate(REPLICATOR_2X.max_speed_change_mm_s):
             limit = np.minimum(limit, change / np.abs(directions[2 * axis + 1] - directions[2 * axis]))
     limit[changes] = 0.0
-    return (limit**2,)
+    return (limit * limit,)
 
 
 def _trapezoid_seconds(
