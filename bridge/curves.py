@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..core.beads import Strands, settled, split_by_roundness, strands
-from ..core.model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..core.model import FloatArray, IntArray, TriangleMesh
 from .mesh_input import evaluated_mesh
 from .plastics import plastic
 from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers
@@ -69,8 +69,8 @@ def strand_objects(laid: Strands, black_tool: int, unit: float, origin: FloatArr
     """
     parts, roundness = split_by_roundness(laid, _ROUNDNESS_LEVELS)
     return [
-        _strand_object(kind, parts.selected(chosen), ratio, unit, origin)
-        for kind, chosen, ratio in _groups(parts, roundness, black_tool)
+        _strand_object(kind, parts.gathered(members), ratio, unit, origin)
+        for kind, members, ratio in _groups(parts, roundness, black_tool)
     ]
 
 
@@ -146,8 +146,8 @@ def new_curves(
     return data
 
 
-def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple[str, BoolArray, float]]:
-    """(colour, (K,) bool, height to width) of every object to make: one a filament where all lines are alike.
+def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple[str, IntArray, float]]:
+    """(colour, numbers of strands, height to width) of every object: one a filament where all lines are alike.
 
     An object's scale warps all its rods to ovals of one height-to-width ratio. So rounder lines, much thinner ones, or
     a first layer of another height, make objects of their own; smaller differences keep the area and give up the ratio.
@@ -161,18 +161,23 @@ def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple
         return []
     counts = np.diff(laid.start)
     ratio = laid.height / (np.add.reduceat(laid.width, laid.start[:-1]) / counts)
-    usual = float(np.median(np.repeat(ratio, counts)))
+    by_ratio = np.argsort(ratio)
+    points = np.cumsum(counts[by_ratio])
+    usual = float(ratio[by_ratio[np.searchsorted(points, points[-1] / 2)]])
     # Round is round, whatever the width.
-    step = np.where(roundness < 1, np.round(np.log(ratio / usual) / np.log(_RATIO_STEP)), 0)
+    step = np.where(roundness < 1, np.round(np.log(ratio / usual) / np.log(_RATIO_STEP)), 0).astype(np.int64)
+    is_white = laid.tool != black_tool
+    kind = (is_white * 1000 + np.rint(roundness * (_ROUNDNESS_LEVELS - 1)).astype(np.int64)) * 1000 + np.abs(step) * 2
+    kind += step < 0
+    order = np.argsort(kind, kind="stable")
     groups = []
-    for colour, tool in (("Black", black_tool), ("White", 1 - black_tool)):
-        mine = laid.tool == tool
-        kinds = np.unique(np.column_stack([roundness, step])[mine], axis=0).tolist()
-        for level, value in sorted(kinds, key=lambda kind: (kind[0], abs(kind[1]))):
-            chosen = mine & (step == value) & (roundness == level)
-            resting = usual if value == 0 else float(np.median(ratio[chosen]))
-            centre = resting ** (1.0 - level)
-            groups.append((colour if value == level == 0 else f"{colour} {centre:.2f}", chosen, centre))
+    for members in np.split(order, np.flatnonzero(np.diff(kind[order])) + 1):
+        one = members[0]
+        plain = step[one] == 0
+        resting = usual if plain else float(np.median(ratio[members]))
+        centre = resting ** (1.0 - float(roundness[one]))
+        colour = "White" if is_white[one] else "Black"
+        groups.append((colour if plain and roundness[one] == 0 else f"{colour} {centre:.2f}", members, centre))
     return groups
 
 

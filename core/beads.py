@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .model import BoolArray, FloatArray, IntArray
+from .slicing.outlines import ranges
 from .spans import unsupported_distance
 from .toolpaths.moves import Moves
 
@@ -31,6 +32,8 @@ class Strands:
         height: (K,) float64 mm, layer height.
         roundness: (N,) float64, 0 an oval as much wider than high as `width` to `height`, 1 a
             circle of the same area.
+        unsupported: (N,) float64 mm, how far the centre line lies outside what carries it.
+        row: (N,) int64, the move that ends at or after each point; a strand's first point has that of its second.
     """
 
     points: FloatArray
@@ -41,23 +44,31 @@ class Strands:
     width: FloatArray
     height: FloatArray
     roundness: FloatArray
+    unsupported: FloatArray
+    row: IntArray
 
     def __len__(self) -> int:
         return len(self.tool)
 
     def selected(self, chosen: BoolArray) -> Strands:
         """Only the strands that `chosen` (K,) bool marks."""
-        counts = np.diff(self.start)
-        kept = np.repeat(chosen, counts)
+        return self.gathered(np.flatnonzero(chosen))
+
+    def gathered(self, which: IntArray) -> Strands:
+        """The strands of the given numbers, in that order."""
+        counts = np.diff(self.start)[which]
+        rows = ranges(self.start[which], counts)
         return Strands(
-            points=self.points[kept],
-            start=offsets(counts[chosen]),
-            tool=self.tool[chosen],
-            feature=self.feature[chosen],
-            layer=self.layer[chosen],
-            width=self.width[kept],
-            height=self.height[chosen],
-            roundness=self.roundness[kept],
+            points=self.points[rows],
+            start=offsets(counts),
+            tool=self.tool[which],
+            feature=self.feature[which],
+            layer=self.layer[which],
+            width=self.width[rows],
+            height=self.height[which],
+            roundness=self.roundness[rows],
+            unsupported=self.unsupported[rows],
+            row=self.row[rows],
         )
 
 
@@ -96,7 +107,8 @@ def strands(moves: Moves) -> Strands:
     width = moves.width[source]
     width[is_start] = moves.width[lead]
     kind = (moves.tool[lead], moves.feature[lead], moves.layer[lead])
-    return Strands(points, start, *kind, width, height, np.zeros(len(points)))
+    source[is_start] = lead
+    return Strands(points, start, *kind, width, height, np.zeros(len(points)), np.zeros(len(points)), source)
 
 
 def settled(laid: Strands, sag: float) -> Strands:
@@ -116,19 +128,21 @@ def settled(laid: Strands, sag: float) -> Strands:
     dense, left = _subdivided(laid)
     free = unsupported_distance(dense.points, dense.start, dense.layer, dense.width)
     over_air = free > _TOUCHING
-    roundness = _eased(free / (dense.width / 2))
     # A line that rests on material needs no points between its ends, one that is round all over only every second.
-    wanted = (left == 0) | (_or_next_to(over_air) & ((left % 2 == 0) | _or_next_to(roundness < 1)))
-    counts = np.add.reduceat(wanted, dense.start[:-1])
-    points, width = dense.points[wanted], dense.width[wanted]
+    wanted = (left == 0) | (_or_next_to(over_air) & ((left % 2 == 0) | _or_next_to(free < dense.width / 2)))
+    rows = np.flatnonzero(wanted)
+    start = np.concatenate([[0], np.cumsum(wanted)])[dense.start]
+    points, width, free = dense.points[rows], dense.width[rows], free[rows]
+    roundness = _eased(free / (width / 2))
     flat = _steps(points)
-    points[:, 2] -= sag_depth(free[wanted], sag)
+    points[:, 2] -= sag_depth(free, sag)
     sunk = _steps(points)
-    start = offsets(counts)
     lengthened = sunk > flat
     lengthened[start[:-1]] = False
     width[lengthened] *= flat[lengthened] / sunk[lengthened]
-    return replace(dense, points=points, start=start, width=width, roundness=roundness[wanted])
+    return replace(
+        dense, points=points, start=start, width=width, roundness=roundness, unsupported=free, row=dense.row[rows]
+    )
 
 
 def split_by_roundness(laid: Strands, levels: int) -> tuple[Strands, FloatArray]:
@@ -165,6 +179,8 @@ def split_by_roundness(laid: Strands, levels: int) -> tuple[Strands, FloatArray]
         width=laid.width[source],
         height=laid.height[of],
         roundness=laid.roundness[source],
+        unsupported=laid.unsupported[source],
+        row=laid.row[source],
     )
     return parts, level[np.minimum(source[first] + 1, len(level) - 1)] / max(levels - 1, 1)
 
@@ -203,9 +219,11 @@ def _subdivided(laid: Strands) -> tuple[Strands, IntArray]:
     ends = np.cumsum(pieces)
     left = ends[source] - 1 - np.arange(len(source))
     points = laid.points[source]
-    points -= (left / pieces[source])[:, None] * (points - laid.points[np.maximum(source - 1, 0)])
-    start = np.concatenate([[0], ends])[laid.start]
-    dense = replace(laid, points=points, start=start, width=laid.width[source], roundness=laid.roundness[source])
+    new = np.flatnonzero(left)
+    of = source[new]
+    points[new] -= (left[new] / pieces[of])[:, None] * (points[new] - laid.points[of - 1])
+    dense = replace(laid, points=points, start=np.concatenate([[0], ends])[laid.start], width=laid.width[source],
+                    row=laid.row[source])  # fmt: skip
     return dense, left
 
 

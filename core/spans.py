@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from .model import BoolArray, FloatArray, IntArray
-from .pattern.chunks import in_chunks
-from .pattern.grid import PointGrid, nearest
+from .model import FloatArray, IntArray
+from .pattern.chunks import in_threads
+from .slicing.outlines import ranges
 
 FARTHEST = 8.0
 """Unsupported distances beyond this, mm, are told as this."""
 
-# A search looks this far, mm, among points of the layer below that are this far apart along their strands.
-_SEARCHES = ((0.5, 0.2), (2.0, 0.4), (FARTHEST, 1.2))
+# Points of the layer below that lie so far apart along their strands, mm, are sorted into cells of this size, mm, and
+# looked for in so many rings of cells around. The first search finds what rests on material, most of all points; each
+# later one is for what those before it have not found.
+_SEARCHES = ((0.25, 0.2, (1, 2)), (1.0, 0.4, (1, 2)), (FARTHEST, 1.2, (1,)))
+_BLOCK_POINTS = 1 << 15  # points that are worked on together, whole layers at a time: their tables stay in the cache
+_BORDER = 4  # empty cells around the points; a place farther out is looked for from the second of them
+_LOW_BITS = np.int64(0xFFFFFFFF)
 
 
 def unsupported_distance(points: FloatArray, start: IntArray, layer: IntArray, width: FloatArray) -> FloatArray:
@@ -31,67 +36,125 @@ def unsupported_distance(points: FloatArray, start: IntArray, layer: IntArray, w
     if not len(layer):
         return free
     flat = np.ascontiguousarray(points[:, :2])
-    level = np.repeat(layer, np.diff(start))
-    arc = _arc(flat, start)
-    open_ = np.flatnonzero(level > level.min())
-    free[open_] = FARTHEST
-    for reach, spacing in _SEARCHES:
-        below = _Carriers(flat, start, level, _thinned(arc, start, spacing), reach)
-        distance, carrier = in_chunks(below.nearest, flat[open_], level[open_] - 1)
-        hit = distance <= reach
-        free[open_[hit]] = np.clip(distance[hit] - width[carrier[hit]] / 2, 0.0, FARTHEST)
-        open_ = open_[~hit]
+    level = np.repeat(layer - layer.min(), np.diff(start))
+    lines = _Lines(flat, start, width)
+    order = None if (np.diff(layer) >= 0).all() else np.argsort(level, kind="stable")
+    begin = np.concatenate([[0], np.cumsum(np.bincount(level))])
+    cut = np.flatnonzero(np.diff(begin[1:] // _BLOCK_POINTS, prepend=-1))  # the first layer of each block
+
+    def rows(low: int, high: int) -> IntArray:
+        place = np.arange(begin[max(low, 0)], begin[high])
+        return place if order is None else order[place]
+
+    def block(ends: tuple[int, int]) -> None:
+        above = rows(max(ends[0], 1), ends[1])
+        free[above] = _distances(lines, above, rows(ends[0] - 1, ends[1] - 1), level)
+
+    in_threads(block, zip(cut.tolist(), [*cut[1:].tolist(), len(begin) - 1], strict=True))
     return free
 
 
-class _Carriers:
-    """Some points of the strands, to be found by what lies above them."""
+class _Lines:
+    """All strands, seen from above."""
 
-    def __init__(self, points: FloatArray, start: IntArray, level: IntArray, chosen: BoolArray, reach: float) -> None:
-        self._points = points
-        self._chosen = np.flatnonzero(chosen)
-        self._grid = PointGrid(points[self._chosen], level[self._chosen], reach)
-        # Neighbours along the strand; the ends are their own.
-        self._before = np.arange(-1, len(points) - 1)
-        self._before[start[:-1]] += 1
-        self._after = np.arange(1, len(points) + 1)
-        self._after[start[1:] - 1] -= 1
+    def __init__(self, points: FloatArray, start: IntArray, width: FloatArray) -> None:
+        self.x, self.y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
+        self.width = width
+        step = np.ones(len(points))
+        step[1:] = np.hypot(np.diff(self.x), np.diff(self.y))
+        step[start[:-1]] = 1.0
+        self.arc = np.cumsum(step)  # with a gap between two strands
+        self.is_first = np.zeros(len(points), dtype=bool)
+        self.is_first[start[:-1]] = True
+        self.is_last = np.zeros(len(points), dtype=bool)
+        self.is_last[start[1:] - 1] = True
 
-    def nearest(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, IntArray]:
-        """(Q,) mm to the strands around the nearest point of a layer, inf if there is none, and (Q,) that point."""
-        found, group = self._grid.candidates(query, layer)
-        if not len(found):
-            return np.full(len(query), np.inf), np.zeros(len(query), dtype=np.int64)
-        found = self._chosen[found]
-        off = self._points[found] - np.repeat(query, np.diff(group), axis=0)
-        where, is_near = nearest(np.einsum("ij,ij->i", off, off), group)
-        at = found[where]
-        here = self._points[at]
-        squares = (_square_to_segment(query, here, self._points[other[at]]) for other in (self._before, self._after))
-        return np.where(is_near, np.sqrt(np.minimum(*squares)), np.inf), at
+    def thinned(self, rows: IntArray, spacing: float) -> IntArray:
+        """Of some points the ends of strands, and those between them that are at least about this far apart."""
+        cell = (self.arc[rows] / spacing).astype(np.int64)
+        kept = self.is_first[rows] | self.is_last[rows]
+        kept[1:] |= cell[1:] != cell[:-1]
+        return rows[kept]
 
-
-def _arc(points: FloatArray, start: IntArray) -> FloatArray:
-    """(N,) mm along all strands one after the other, with a gap between two strands."""
-    step = np.ones(len(points))
-    step[1:] = np.sqrt((np.diff(points, axis=0) ** 2).sum(axis=1))
-    step[start[:-1]] = 1.0
-    return np.cumsum(step)
-
-
-def _thinned(arc: FloatArray, start: IntArray, spacing: float) -> BoolArray:
-    """(N,) the ends of all strands, and points between them at least about this far apart."""
-    cell = np.floor(arc / spacing)
-    kept = np.ones(len(arc), dtype=bool)
-    kept[1:] = cell[1:] != cell[:-1]
-    kept[start[:-1]] = kept[start[1:] - 1] = True
-    return kept
+    def distance(self, query: IntArray, at: IntArray) -> FloatArray:
+        """(Q,) mm from each point of `query` to the strand on both sides of the point `at`."""
+        x, y = self.x[at], self.y[at]
+        out_x, out_y = self.x[query] - x, self.y[query] - y
+        squares = []
+        for other in (at - ~self.is_first[at], at + ~self.is_last[at]):
+            way_x, way_y = self.x[other] - x, self.y[other] - y
+            length = np.maximum(way_x * way_x + way_y * way_y, 1e-12)
+            share = np.clip((way_x * out_x + way_y * out_y) / length, 0.0, 1.0)
+            squares.append((out_x - share * way_x) ** 2 + (out_y - share * way_y) ** 2)
+        return np.asarray(np.sqrt(np.minimum(*squares)))
 
 
-def _square_to_segment(query: FloatArray, begin: FloatArray, end: FloatArray) -> FloatArray:
-    way, out = end - begin, query - begin
-    length = np.einsum("ij,ij->i", way, way)
-    share = np.clip(np.einsum("ij,ij->i", way, out) / np.maximum(length, 1e-12), 0.0, 1.0)
-    off = out - share[:, None] * way
-    square: FloatArray = np.einsum("ij,ij->i", off, off)
-    return square
+def _distances(lines: _Lines, above: IntArray, below: IntArray, level: IntArray) -> FloatArray:
+    """(Q,) mm that the points `above` lie outside the strands of the points `below` that are one layer lower."""
+    free = np.full(len(above), FARTHEST)
+    open_ = np.arange(len(above) if len(below) else 0)
+    for size, spacing, all_rings in _SEARCHES:
+        if not len(open_):
+            break
+        carriers = lines.thinned(below, spacing)
+        cells = _Cells(lines.x[carriers], lines.y[carriers], level[carriers], size)
+        for rings in all_rings:
+            rows = above[open_]
+            found = cells.nearest(lines.x[rows], lines.y[rows], level[rows] - 1, rings)
+            near = np.flatnonzero(found >= 0)
+            at = carriers[found[near]]
+            distance = lines.distance(rows[near], at)
+            outside = distance - lines.width[at] / 2
+            hit = (distance <= rings * size) | (outside <= 0)
+            free[open_[near[hit]]] = np.clip(outside[hit], 0.0, FARTHEST)
+            left = np.ones(len(open_), dtype=bool)
+            left[near[hit]] = False
+            open_ = open_[left]
+    return free
+
+
+class _Cells:
+    """Points of some layers sorted into square cells, in single precision: enough to tell which one is near."""
+
+    def __init__(self, x: FloatArray, y: FloatArray, level: IntArray, size: float) -> None:
+        self._size = size
+        self._level = int(level.min())
+        self._low = float(x.min()) - _BORDER * size, float(y.min()) - _BORDER * size
+        self._columns, self._rows = (
+            int((values.max() - low) / size) + _BORDER + 1 for values, low in zip((x, y), self._low, strict=True)
+        )
+        key = self._key(x, y, level)
+        self._order = np.argsort(key, kind="stable")
+        counts = np.bincount(key, minlength=self._columns * self._rows * (int(level.max()) - self._level + 1))
+        self._begin = np.concatenate([[0], np.cumsum(counts)])
+        self._x, self._y = ((values[self._order]).astype(np.float32) for values in (x, y))
+
+    def _key(self, x: FloatArray, y: FloatArray, level: IntArray) -> IntArray:
+        column, row = (
+            np.clip(((values - low) / self._size).astype(np.int64), _BORDER - 1, last - _BORDER)
+            for values, low, last in zip((x, y), self._low, (self._columns, self._rows), strict=True)
+        )
+        return np.asarray(((level - self._level) * self._rows + row) * self._columns + column)
+
+    def nearest(self, x: FloatArray, y: FloatArray, level: IntArray, rings: int) -> IntArray:
+        """(Q,) the nearest point of a layer in the cell of each query and in `rings` around it, -1 if there is none."""
+        nearest = np.full(len(x), -1)
+        key = self._key(x, y, level)
+        first, count = (np.empty((len(x), 2 * rings + 1), dtype=np.int64) for _ in range(2))
+        several = np.zeros(len(x), dtype=np.int64)
+        for number in range(2 * rings + 1):
+            row = key + self._columns * (number - rings)
+            first[:, number] = self._begin[row - rings]
+            count[:, number] = self._begin[row + rings + 1] - first[:, number]
+            several += count[:, number]
+        some = np.flatnonzero(several)
+        if not len(some):
+            return nearest
+        found = ranges(first.ravel(), count.ravel())
+        dx = self._x[found] - np.repeat(x.astype(np.float32), several)
+        dy = self._y[found] - np.repeat(y.astype(np.float32), several)
+        # A positive float's bits sort as the float does: square and place in one number, so that one pass finds both.
+        packed = (dx * dx + dy * dy).view(np.int32).astype(np.int64) << 32 | found
+        group = (np.cumsum(several) - several)[some]
+        nearest[some] = self._order[np.minimum.reduceat(packed, group) & _LOW_BITS]
+        return nearest

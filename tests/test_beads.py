@@ -117,9 +117,10 @@ def laid(*lines, width=0.4, height=0.2) -> Strands:
     points = np.column_stack([np.concatenate([np.array(points, dtype=float) for _, points in lines]), z])
     start = np.concatenate([[0], np.cumsum(counts)])
     feature = np.full(len(lines), int(Feature.OUTER_WALL))
-    return Strands(
-        points, start, layer % 2, feature, layer, np.full(len(z), width), np.full(len(lines), height), np.zeros(len(z))
-    )
+    none = np.zeros(len(z))
+    row = np.arange(len(z))
+    heights = np.full(len(lines), height)
+    return Strands(points, start, layer % 2, feature, layer, np.full(len(z), width), heights, none, none, row)
 
 
 def of_layer(found: Strands, layer: int) -> slice:
