@@ -10,6 +10,7 @@ import shapely
 
 from .model import BoolArray, FloatArray, IntArray
 from .pattern.wave import WavedOutlines
+from .printer import PrinterProfile
 from .settings import PrintSettings
 from .slicing.outlines import ranges, starts
 from .slicing.planes import Layers
@@ -22,8 +23,6 @@ from .toolpaths.order import ordered
 ROOM_C = 22.0
 BED_C_PER_S = 0.15
 NOZZLE_C_PER_S = 1.5
-# Nozzles wait at this temperature until the bed is hot.
-WARM_NOZZLE_C = 140.0
 # What a print in one colour has no use for.
 ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 
@@ -41,7 +40,7 @@ def time_report(moves: Moves, settings: PrintSettings, single_color: float | Non
         `travel` and `retract` without and of `tool_change` with all that changing takes, which add up to the total;
         `heating`, which comes before the total; `single_color` and `ratio`, how many times as long ours takes.
     """
-    seconds = move_seconds(moves)
+    seconds = move_seconds(moves, settings.printer_profile)
     changing = tool_change_rows(moves)
     steady = np.bincount(moves.feature[~changing], seconds[~changing], minlength=len(Feature))
     features = {feature.name.lower(): float(steady[feature]) for feature in Feature if steady[feature] > 0}
@@ -63,12 +62,12 @@ def heating_seconds(moves: Moves, settings: PrintSettings) -> float:
     nozzles = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
     hottest = max((nozzles[tool] for tool in np.unique(moves.tool)), default=0.0)
     bed = max(settings.bed_temperature - ROOM_C, 0.0) / BED_C_PER_S
-    return bed + max(hottest - (WARM_NOZZLE_C if bed > 0 else ROOM_C), 0.0) / NOZZLE_C_PER_S
+    return bed + max(hottest - (settings.printer_profile.warm_up_c if bed > 0 else ROOM_C), 0.0) / NOZZLE_C_PER_S
 
 
-def progress(moves: Moves) -> FloatArray:
+def progress(moves: Moves, printer: PrinterProfile) -> FloatArray:
     """(M,) share of the print's time, 0 to 1, that has passed before each row; ascending."""
-    seconds = move_seconds(moves)
+    seconds = move_seconds(moves, printer)
     passed = np.cumsum(seconds) - seconds
     total = float(seconds.sum())
     return np.asarray(np.clip(passed / total, 0.0, 1.0)) if total > 0 else passed
@@ -100,7 +99,8 @@ def filament_report(moves: Moves, settings: PrintSettings) -> dict[str, Any]:
 
 def single_color_seconds(outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings) -> float:
     """Seconds that `single_color_moves` take."""
-    return float(move_seconds(single_color_moves(outlines, paths, layers, settings)).sum())
+    moves = single_color_moves(outlines, paths, layers, settings)
+    return float(move_seconds(moves, settings.printer_profile).sum())
 
 
 def single_color_moves(outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings) -> Moves:

@@ -6,7 +6,7 @@ import numpy as np
 
 from .errors import MeshError, PrintError, SettingsError
 from .model import BoolArray, FloatArray
-from .printer import REPLICATOR_2X
+from .printer import PrinterProfile
 from .settings import PrintSettings
 from .slicing.outlines import bounds
 from .toolpaths.moves import Feature, Moves
@@ -36,7 +36,7 @@ def check(moves: Moves, settings: PrintSettings) -> None:
         SettingsError: a nozzle is too cold to print or hotter than the printer allows.
     """
     check_numbers(moves)
-    check_reach(moves)
+    check_reach(moves, settings.printer_profile)
     check_temperatures(moves, settings)
 
 
@@ -51,16 +51,16 @@ def check_numbers(moves: Moves) -> None:
         raise PrintError("a move has no speed", "check the settings for extreme values")
 
 
-def check_reach(moves: Moves) -> None:
+def check_reach(moves: Moves, printer: PrinterProfile) -> None:
     """All strands inside the reach of both nozzles, all travels above the bed."""
     strand = moves.extrudes
     if not strand.any():
         return
     low, high = bounds(moves.position, strand)
-    least, most = (np.array(corner) for corner in (REPLICATOR_2X.reach_min, REPLICATOR_2X.reach_max))
+    least, most = (np.array(corner) for corner in (printer.reach_min, printer.reach_max))
     if (low < least - _ROUNDING_MM).any() or (high > most + _ROUNDING_MM).any():
         raise _out_of_reach(moves, low, high, least, most)
-    bed_low, bed_high = (np.array(corner) for corner in (REPLICATOR_2X.bed_min, REPLICATOR_2X.bed_max))
+    bed_low, bed_high = (np.array(corner) for corner in (printer.bed_min, printer.bed_max))
     if (moves.position.min(axis=0) < bed_low).any() or (moves.position.max(axis=0) > bed_high).any():
         raise MeshError("the nozzle would travel beyond the bed", "lower z_hop or the height of the object")
 
@@ -87,7 +87,7 @@ def _out_of_reach(moves: Moves, low: FloatArray, high: FloatArray, least: FloatA
 
 def check_temperatures(moves: Moves, settings: PrintSettings) -> None:
     """Nozzles that print are hot, and nothing gets hotter than the printer allows."""
-    hottest_nozzle, hottest_bed = REPLICATOR_2X.max_temperature_c
+    hottest_nozzle, hottest_bed = settings.printer_profile.max_temperature_c
     for tool in np.unique(moves.tool[moves.extrudes]).tolist():
         name = f"nozzle_temperature_{tool}"
         degrees = getattr(settings, name)

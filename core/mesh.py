@@ -9,9 +9,6 @@ from .model import FloatArray, IntArray, SurfaceModel, TriangleMesh
 from .polygons import triangle_corners
 from .settings import PrintSettings
 
-REACH = np.array([[-105.0, -73.0, 0.0], [105.0, 73.0, 150.0]])
-"""(2, 3) mm, what both nozzles of a Replicator 2X can print on, origin at the bed's centre."""
-
 WELD_SHARE = 3e-7
 """Vertices nearer than this share of the object's size are one: a few times the resolution of float32."""
 
@@ -98,9 +95,11 @@ def _check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> Non
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     size = high - low
     sizes = f"{' × '.join(_length(side) for side in size)} mm"
-    room = " × ".join(_length(side) for side in REACH[1] - REACH[0])
-    if (size > REACH[1] - REACH[0] + _REACH_TOLERANCE_MM).any():
-        turned = (size[[1, 0, 2]] <= REACH[1] - REACH[0]).all()
+    printer = settings.printer_profile
+    least, most = np.array(printer.reach_min), np.array(printer.reach_max)
+    room = " × ".join(_length(side) for side in most - least)
+    if (size > most - least + _REACH_TOLERANCE_MM).any():
+        turned = (size[[1, 0, 2]] <= most - least).all()
         hint = "turn it by 90° about the vertical axis" if turned else "check its scale and unit"
         raise MeshError(f"{name} is {sizes}, larger than the {room} mm that can be printed", hint)
     if size.max() < 1.0:
@@ -109,7 +108,7 @@ def _check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> Non
         raise MeshError(f"{name} is {_length(size[2])} mm high, less than half a layer", "give it some thickness")
     if low[2] < -_REACH_TOLERANCE_MM:
         raise MeshError(f"{name} reaches {_length(-low[2])} mm below the bed", "raise it or turn on center_on_bed")
-    if (low < REACH[0] - _REACH_TOLERANCE_MM).any() or (high > REACH[1] + _REACH_TOLERANCE_MM).any():
+    if (low < least - _REACH_TOLERANCE_MM).any() or (high > most + _REACH_TOLERANCE_MM).any():
         raise MeshError(f"{name} lies beyond the {room} mm that can be printed", "move it or turn on center_on_bed")
 
 

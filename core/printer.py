@@ -1,13 +1,19 @@
-"""What the program knows about the printer itself: reach, limits of its motion, axes of its nozzles."""
+"""What the program knows about a printer itself: reach, limits of its motion, axes of its nozzles, start and end."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
+from .errors import SettingsError
+
+Pair = tuple[float, float]
 Triple = tuple[float, float, float]
+Four = tuple[float, float, float, float]
 # Facts are data: another machine with this firmware is one more file here.
 PRINTERS = Path(__file__).resolve().parent.parent / "presets" / "printer"
 
@@ -18,6 +24,7 @@ class PrinterProfile:
 
     Attributes:
         name: as the user knows it.
+        gpx_machine: what GPX and the header of a G-code file call it.
         reach_min: mm, least X, Y, Z that both nozzles reach safely.
         reach_max: mm, greatest X, Y, Z that both nozzles reach safely.
         home: mm, X and Y where the end stops leave the carriage.
@@ -26,48 +33,89 @@ class PrinterProfile:
         max_speed_change_mm_s: speed that X, Y, Z and the filament may change by at once in a corner.
         queue_moves: moves that the firmware sees ahead; it is always able to stop at the last of them.
         tool_axes: letter of each tool's filament axis.
-        nozzle_distance_mm: that the carriage shifts by at a tool change.
+        nozzle_distance_mm: that the carriage shifts by at a tool change; the firmware does it.
         steps_per_mm: of X, Y, Z and of the filament, as GPX converts them.
         home_feedrate_mm_min: greatest of X, Y, Z towards their end stops.
-        bed_min: mm, least X, Y, Z of the bed.
-        bed_max: mm, greatest X, Y, Z of the bed.
+        bed_min: mm, least X, Y, Z that a nozzle may go to.
+        bed_max: mm, greatest X, Y, Z that a nozzle may go to.
         reach_x_max: mm, greatest X that the carriage reaches with each tool.
         max_temperature_c: of a nozzle and of the bed.
+        homing_mm_min: feedrates of the start sequence: X and Y, Z fast, Z slowly.
+        travel_mm_min: feedrate of the start sequence and of the nozzle shift at a tool change.
+        lift_mm_min: feedrate of Z in the start and the end sequence.
+        warm_up_c: that the nozzles wait at while the bed heats: warm, but nothing drips yet.
+        prime_x: mm, |X| where a priming line starts and ends; tool 0 on the right half, tool 1 on the left.
+        prime_y: mm, Y of the priming lines, and farther in front for prints that reach as far as they.
     """
 
     name: str
+    gpx_machine: str
     reach_min: Triple
     reach_max: Triple
-    home: tuple[float, float]
-    max_speed_mm_s: tuple[float, float, float, float]
-    acceleration_mm_s2: tuple[float, float, float, float]
-    max_speed_change_mm_s: tuple[float, float, float, float]
+    home: Pair
+    max_speed_mm_s: Four
+    acceleration_mm_s2: Four
+    max_speed_change_mm_s: Four
     queue_moves: int
     tool_axes: tuple[str, str]
     nozzle_distance_mm: float
-    steps_per_mm: tuple[float, float, float, float]
+    steps_per_mm: Four
     home_feedrate_mm_min: Triple
     bed_min: Triple
     bed_max: Triple
-    reach_x_max: tuple[float, float]
-    max_temperature_c: tuple[float, float]
+    reach_x_max: Pair
+    max_temperature_c: Pair
+    homing_mm_min: Triple
+    travel_mm_min: int
+    lift_mm_min: int
+    warm_up_c: float
+    prime_x: Pair
+    prime_y: Pair
 
 
-def read_profile(name: str) -> PrinterProfile:
-    """The printer of that name in `presets/printer`.
+def printer_names() -> tuple[str, ...]:
+    """The printers that there are files of, in alphabetical order."""
+    return tuple(sorted(path.stem for path in PRINTERS.glob("*.json")))
+
+
+@cache
+def printer_profile(name: str) -> PrinterProfile:
+    """The printer of that name in `presets/printer`, read once.
 
     Raises:
-        ValueError: the file lacks a fact, or holds one that is unknown or not of the right kind.
+        SettingsError: see `read_profile`.
     """
-    facts = json.loads((PRINTERS / f"{name}.json").read_text(encoding="utf-8"))["printer"]
-    if set(facts) != {declared.name for declared in fields(PrinterProfile)}:
-        raise ValueError(f"the printer {name} does not have exactly the facts of a PrinterProfile")
-    values: dict[str, Any] = {key: tuple(fact) if isinstance(fact, list) else fact for key, fact in facts.items()}
-    for key, value in values.items():
-        kind = str if key in ("name", "tool_axes") else (int, float)
-        if not all(isinstance(part, kind) for part in (value if isinstance(value, tuple) else (value,))):
-            raise ValueError(f"{key} of the printer {name} is not of the right kind")
+    return read_profile(PRINTERS / f"{name}.json")
+
+
+def read_profile(path: Path) -> PrinterProfile:
+    """The printer in a file.
+
+    Raises:
+        SettingsError: the file lacks a fact, or holds one that is unknown or not of the right kind.
+    """
+    facts = json.loads(path.read_text(encoding="utf-8"))["printer"]
+    declared = [fact.name for fact in fields(PrinterProfile)]
+    if odd := sorted(set(facts) ^ set(declared)):
+        hint = "copy another file of that folder and change its numbers"
+        raise SettingsError(f"the printer {path.stem} lacks a fact or has one too many: {', '.join(odd)}", hint)
+    kinds = get_type_hints(PrinterProfile)
+    for name, fact in facts.items():
+        if not _fits(fact, kinds[name]):
+            raise SettingsError(f"{name} of the printer {path.stem} is not of the right kind", f"it is {fact!r}")
+    values: dict[str, Any] = {name: tuple(fact) if isinstance(fact, list) else fact for name, fact in facts.items()}
     return PrinterProfile(**values)
 
 
-REPLICATOR_2X = read_profile("replicator_2x")
+def _fits(fact: Any, kind: Any) -> bool:
+    """Whether a value from a file is a text, a number, or a list of as many of them as there must be."""
+    parts: Sequence[Any] = get_args(kind)
+    if parts:
+        return (
+            isinstance(fact, list)
+            and len(fact) == len(parts)
+            and all(_fits(part, of) for part, of in zip(fact, parts, strict=True))
+        )
+    if kind is float:
+        return isinstance(fact, (int, float)) and not isinstance(fact, bool)
+    return type(fact) is kind

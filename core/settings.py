@@ -11,6 +11,7 @@ from dataclasses import Field, asdict, dataclass, field, fields, replace
 from typing import Any
 
 from .errors import SettingsError
+from .printer import PrinterProfile, printer_names, printer_profile
 
 
 def setting(
@@ -38,6 +39,14 @@ class PrintSettings:
     Raises:
         SettingsError: a value of the wrong type, not finite, out of its limits, or at odds with another one.
     """
+
+    # Printer
+    printer: str = setting(
+        "replicator_2x",
+        "The printer: its reach, limits, motors, start and end",
+        choices=printer_names(),
+        group="printer",
+    )
 
     # Slicing
     layer_height: float = setting(0.25, "Height of every layer above the first", "mm", 0.05, 0.5)
@@ -213,6 +222,15 @@ class PrintSettings:
             object.__setattr__(self, declared.name, checked(declared, getattr(self, declared.name)))
         if self.wave_depth_min > self.wave_depth_max:
             raise SettingsError("wave_depth_min is greater than wave_depth_max", "make the minimum the smaller one")
+
+    @property
+    def printer_profile(self) -> PrinterProfile:
+        """What there is to know about the chosen printer.
+
+        Raises:
+            SettingsError: its file lacks a fact or has a wrong one.
+        """
+        return printer_profile(self.printer)
 
     def as_dict(self) -> dict[str, Any]:
         """All settings by name, JSON-ready."""

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .gcode.sequences import TRAVEL_F
 from .model import BoolArray, FloatArray, IntArray
 from .pattern.chunks import in_chunks
-from .printer import REPLICATOR_2X
+from .printer import Four, PrinterProfile
 from .settings import PrintSettings
 from .toolpaths.moves import Feature, Moves
 
@@ -44,13 +44,13 @@ def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
 
     Args:
         moves: the print.
-        settings: of the print; none of them matters yet beyond what the moves carry.
+        settings: of the print; its printer sets the limits.
 
     Returns:
         `total`; `tool_change`, all that is not extruded between the last strand of one tool and the first of the
         next; `tower`, the strands of the cleaning tower. All in s.
     """
-    seconds = move_seconds(moves)
+    seconds = move_seconds(moves, settings.printer_profile)
     return {
         "total": float(seconds.sum()),
         "tool_change": float(seconds[tool_change_rows(moves)].sum()),
@@ -58,7 +58,7 @@ def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
     }
 
 
-def move_seconds(moves: Moves) -> FloatArray:
+def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
     """(M,) s that each row takes, by trapezoids as the firmware plans them.
 
     Speeds at the corners obey the instant speed change of each axis, that of the filament included, accelerations
@@ -67,13 +67,13 @@ def move_seconds(moves: Moves) -> FloatArray:
     appear here: `toolpaths/speeds.py` gives every line the time that it needs to stay filled.
     """
     seconds = np.zeros(len(moves.tool))
-    segments = _segments(moves)
+    segments = _segments(moves, printer)
     if len(segments.row):
-        u = _node_speeds_squared(segments)
+        u = _node_speeds_squared(segments, printer)
         (seconds[segments.row],) = in_chunks(
             _trapezoid_seconds, segments.length, segments.speed, segments.acceleration, u[:-1], u[1:]
         )
-    seconds[1:][np.diff(moves.tool) != 0] += REPLICATOR_2X.nozzle_distance_mm / (TRAVEL_F / 60)
+    seconds[1:][np.diff(moves.tool) != 0] += printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
     return seconds
 
 
@@ -87,17 +87,23 @@ def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
     return {name: use[name] for name in ("tool0_mm", "tool1_mm", "tool0_g", "tool1_g")}
 
 
-def _segments(moves: Moves) -> _Segments:
+def _segments(moves: Moves, printer: PrinterProfile) -> _Segments:
     """The rows with a way or with filament; a row before which the place is not known (the first) has no way."""
     before = np.concatenate([moves.position[:1], moves.position[:-1]])
     row = np.arange(len(moves.tool))
     columns = (row, before, moves.position, moves.filament, moves.speed, moves.tool)
-    row, x, y, z, feed, length, speed, acceleration, tool = in_chunks(_measured, *columns)
+    row, x, y, z, feed, length, speed, acceleration, tool = in_chunks(partial(_measured, printer), *columns)
     return _Segments(row, (x, y, z, feed), length, speed, acceleration, tool)
 
 
 def _measured(
-    row: IntArray, before: FloatArray, position: FloatArray, filament: FloatArray, speed: FloatArray, tool: IntArray
+    printer: PrinterProfile,
+    row: IntArray,
+    before: FloatArray,
+    position: FloatArray,
+    filament: FloatArray,
+    speed: FloatArray,
+    tool: IntArray,
 ) -> tuple[NDArray[Any], ...]:
     """The columns of `_Segments` for some rows of the moves, without those that take no time."""
     x, y, z = (position - before).T.copy()
@@ -111,7 +117,6 @@ def _measured(
     x, y, z = (np.where(still, 0.0, way / length) for way in (x, y, z))
     feed = filament / length
     lift, fed, level = np.abs(z), np.abs(feed), np.maximum(np.abs(x), np.abs(y))
-    printer = REPLICATOR_2X
     with np.errstate(divide="ignore"):
         speed = np.minimum(speed, printer.max_speed_mm_s[3] / fed)
         speed = np.minimum(speed, np.minimum(printer.max_speed_mm_s[0] / level, printer.max_speed_mm_s[2] / lift))
@@ -120,7 +125,7 @@ def _measured(
     return row, x, y, z, feed, length, speed, acceleration, tool
 
 
-def _node_speeds_squared(segments: _Segments) -> FloatArray:
+def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatArray:
     """(S + 1,) mm²/s², squared speed u at which each node is passed.
 
     A segment that gains `w = 2·a·length` at most ties its ends by |u_i - u_{i+1}| ≤ w. With P the sum of the w
@@ -131,8 +136,9 @@ def _node_speeds_squared(segments: _Segments) -> FloatArray:
     u = np.zeros(len(gain) + 1)
     if len(gain) > 1:
         columns = [part for column in (segments.speed, *segments.direction) for part in (column[:-1], column[1:])]
-        (u[1:-1],) = in_chunks(_corner_speeds_squared, segments.tool[:-1] != segments.tool[1:], *columns)
-    queue = REPLICATOR_2X.queue_moves
+        corner_speeds = partial(_corner_speeds_squared, printer.max_speed_change_mm_s)
+        (u[1:-1],) = in_chunks(corner_speeds, segments.tool[:-1] != segments.tool[1:], *columns)
+    queue = printer.queue_moves
     u[:-queue] = np.minimum(u[:-queue], before[queue:] - before[:-queue])
     u = np.minimum.accumulate((u + before)[::-1])[::-1] - before
     u = np.minimum.accumulate(u - before) + before
@@ -141,11 +147,12 @@ def _node_speeds_squared(segments: _Segments) -> FloatArray:
 
 
 def _corner_speeds_squared(
-    changes: BoolArray, speed: FloatArray, next_speed: FloatArray, *directions: FloatArray
+    at_once: Four, changes: BoolArray, speed: FloatArray, next_speed: FloatArray, *directions: FloatArray
 ) -> tuple[FloatArray]:
     """(S - 1,) mm²/s², greatest squared speed between segments and the next ones; 0 where the tool changes.
 
     Args:
+        at_once: mm/s that each axis may change its speed by.
         changes: whether the next segment has another tool.
         speed: mm/s of the segments.
         next_speed: mm/s of the next ones.
@@ -153,7 +160,7 @@ def _corner_speeds_squared(
     """
     limit = np.minimum(speed, next_speed)
     with np.errstate(divide="ignore"):
-        for axis, change in enumerate(REPLICATOR_2X.max_speed_change_mm_s):
+        for axis, change in enumerate(at_once):
             limit = np.minimum(limit, change / np.abs(directions[2 * axis + 1] - directions[2 * axis]))
     limit[changes] = 0.0
     return (limit * limit,)

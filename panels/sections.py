@@ -159,5 +159,6 @@ SECTIONS = (
             "bed_temperature",
         ),
     ),
+    Section("printer", "Printer", ("printer",)),
     Section("prediction", "Predicted Print", ("sag",)),
 )

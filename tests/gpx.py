@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 
-def convert(path: str | os.PathLike[str]) -> list[str]:
-    """Convert a G-code file for the Replicator 2X and return what GPX complains about, one line each.
+def convert(path: str | os.PathLike[str], machine: str = "r2x") -> list[str]:
+    """Convert a G-code file, by default for the Replicator 2X, and return what GPX complains about, one line each.
 
     Without `-v` GPX prints nothing but diagnostics. The X3G is left beside the G-code. Skips the test without GPX.
     """
@@ -20,7 +20,8 @@ def convert(path: str | os.PathLike[str]) -> list[str]:
         pytest.skip("gpx is not installed")
     gcode = Path(path)
     x3g = gcode.with_suffix(".x3g")
-    run = subprocess.run([program, "-I", "-g", "-m", "r2x", gcode, x3g], capture_output=True, text=True, check=False)
+    command = [program, "-I", "-g", "-m", machine, gcode, x3g]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
     lines = [line for line in (run.stdout + run.stderr).splitlines() if line.strip()]
     if run.returncode or not x3g.exists():
         lines.append(f"gpx ended with {run.returncode}")

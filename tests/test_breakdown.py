@@ -32,7 +32,7 @@ def test_parts_add_up_to_the_whole():
 
 def test_progress_follows_time_not_rows():
     moves = rosette(4, 300)
-    share = progress(moves)
+    share = progress(moves, SETTINGS.printer_profile)
     assert share[0] == 0
     assert (np.diff(share) >= 0).all()
     assert share[-1] < 1
@@ -40,7 +40,7 @@ def test_progress_follows_time_not_rows():
     starts = np.searchsorted(moves.layer, [1, 2, 3])
     assert np.diff(share[starts]) == pytest.approx(1 / 4, abs=0.01)
     moves.speed[: starts[1]] /= 10  # the first half gets slow
-    assert progress(moves)[starts[1]] > 0.8
+    assert progress(moves, SETTINGS.printer_profile)[starts[1]] > 0.8
 
 
 def test_heating_waits_for_the_bed_then_for_the_nozzles():

@@ -253,4 +253,4 @@ def test_x3g_holds_the_print_and_is_reported(vase, tmp_path):
     commands = read_x3g((tmp_path / "vase.x3g").read_bytes())
     assert report["x3g"]["bytes"] == (tmp_path / "vase.x3g").stat().st_size
     assert (commands.code == 134).sum() >= vase.report["tool_changes"]
-    assert audit(commands) == []
+    assert audit(commands, PrintSettings().printer_profile) == []

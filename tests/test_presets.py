@@ -1,7 +1,6 @@
 """Presets, saved settings, settings from the header of a G-code file; files that are none of these."""
 
 import json
-from dataclasses import asdict
 
 import pytest
 from dualcolor.cli import main
@@ -16,7 +15,6 @@ from dualcolor.core.presets import (
     read_settings,
     settings_json,
 )
-from dualcolor.core.printer import PRINTERS, PrinterProfile, read_profile
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.solids import box
 
@@ -37,7 +35,7 @@ def test_qualities_and_later_presets_count():
     both = preset_values(["abs_black", "abs_white"])
     assert {"nozzle_temperature_0", "nozzle_temperature_1"} <= set(both)
     assert preset_values(["pla"])["bed_temperature"] < 80
-    with pytest.raises(SettingsError, match="no preset named 'finest': choose among replicator_2x, abs_black"):
+    with pytest.raises(SettingsError, match="no preset named 'finest': choose among replicator_2x, replicator_dual"):
         preset_values(["finest"])
     with pytest.raises(SettingsError):
         preset_values(["../filament/pla"])
@@ -85,25 +83,6 @@ def test_other_files_get_one_sentence(tmp_path, name, content, words):
         read_settings(tmp_path / "missing.json")
     with pytest.raises(SettingsError, match="cannot be read"):
         read_settings(tmp_path)
-
-
-def test_printer_is_data(tmp_path, monkeypatch):
-    source = json.loads((PRINTERS / "replicator_2x.json").read_text(encoding="utf-8"))
-    assert PrinterProfile(**{k: tuple(v) if isinstance(v, list) else v for k, v in source["printer"].items()}) == (
-        read_profile("replicator_2x")
-    )
-    monkeypatch.setattr("dualcolor.core.printer.PRINTERS", tmp_path)
-    facts = asdict(read_profile_of(tmp_path, source["printer"] | {"name": "Replicator Dual", "queue_moves": 8}))
-    assert (facts["name"], facts["queue_moves"]) == ("Replicator Dual", 8)
-    with pytest.raises(ValueError, match="exactly the facts"):
-        read_profile_of(tmp_path, {"name": "nothing else"})
-    with pytest.raises(ValueError, match="home of the printer"):
-        read_profile_of(tmp_path, source["printer"] | {"home": ["left", "rear"]})
-
-
-def read_profile_of(folder, facts):
-    (folder / "other.json").write_text(json.dumps({"description": "", "settings": {}, "printer": facts}))
-    return read_profile("other")
 
 
 def test_command_line_takes_presets_and_saves_settings(tmp_path, capfd):

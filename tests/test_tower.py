@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.errors import MeshError, SettingsError
-from dualcolor.core.printer import REPLICATOR_2X
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import Layers, layer_stack
 from dualcolor.core.toolpaths.brim import brim_area, brim_paths
@@ -19,7 +18,7 @@ from dualcolor.core.toolpaths.skirt import skirt_paths
 from dualcolor.core.toolpaths.surroundings import Ground, ground, surrounding_paths, tower_where_free
 from dualcolor.core.toolpaths.tower import tower_brim, tower_loops, tower_paths
 
-REACH = shapely.box(*REPLICATOR_2X.reach_min[:2], *REPLICATOR_2X.reach_max[:2])
+REACH = shapely.box(-105, -73, 105, 73)
 SETTINGS = PrintSettings()
 
 

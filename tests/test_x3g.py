@@ -79,7 +79,7 @@ def spot(data):
 def test_real_mesh_equals_gpx_and_passes_the_audit(spot, tmp_path):
     mine = x3g_bytes(spot, SETTINGS, "part")
     assert mine == gpx_bytes(spot, SETTINGS, tmp_path)
-    assert audit(read_x3g(mine)) == []
+    assert audit(read_x3g(mine), SETTINGS.printer_profile) == []
 
 
 def test_estimate_agrees_with_a_simulation_of_the_file(spot):
@@ -160,7 +160,7 @@ def test_damaged_files_give_one_sentence(seed):
             damaged[place] = rng.integers(0, 256)
         damaged = bytes(damaged[: rng.integers(1, len(whole) + 1)])
         try:
-            audit(read_x3g(damaged))
+            audit(read_x3g(damaged), SETTINGS.printer_profile)
         except PrintError as error:
             assert "X3G" in error.message and "\n" not in str(error)
     for kind, text in {

@@ -23,7 +23,7 @@ def pieces(moves=None, settings=SETTINGS):
 
 
 def findings(parts, tower=None):
-    return audit(read_x3g(b"".join(parts)), tower=tower)
+    return audit(read_x3g(b"".join(parts)), SETTINGS.printer_profile, tower)
 
 
 def record(part):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..breakdown import progress
 from ..model import BoolArray, IntArray
-from ..printer import REPLICATOR_2X
+from ..printer import PrinterProfile
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Moves
 from .numbers import COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
@@ -73,8 +73,9 @@ def program(moves: Moves, settings: PrintSettings) -> Program:
     _check(moves)
     start = _start(moves, settings)
     counters, steps = _filament_steps(moves, start.counters)
-    lines, kept_before = _lines(moves, steps)
-    places, insertions = _insertions(moves, kept_before)
+    printer = settings.printer_profile
+    lines, kept_before = _lines(moves, steps, printer)
+    places, insertions = _insertions(moves, kept_before, printer)
     last_tool = int(moves.tool[-1])
     return Program(start.lines, lines, places, insertions, end_sequence(settings, last_tool, counters[last_tool]))
 
@@ -122,7 +123,7 @@ def _after_break(tool: IntArray) -> BoolArray:
     return fresh
 
 
-def _lines(moves: Moves, steps: IntArray) -> tuple[Lines, IntArray]:
+def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Lines, IntArray]:
     """The lines to write, and (M,) how many of them stand before each row."""
     fresh = _after_break(moves.tool)
     thousandths = np.rint(moves.position * 1000).astype(np.int64)
@@ -131,7 +132,7 @@ def _lines(moves: Moves, steps: IntArray) -> tuple[Lines, IntArray]:
     feeds = moves.filament != 0
     kept = written.any(axis=1) | feeds
     kept_before = np.cumsum(kept) - kept
-    top_speed = REPLICATOR_2X.max_speed_mm_s[0]
+    top_speed = printer.max_speed_mm_s[0]
     feedrate = np.rint(np.minimum(moves.speed, top_speed) * 60).astype(np.int64).clip(1, FEEDRATE_LIMIT - 1)[kept]
     changed = fresh[kept]
     changed[1:] |= feedrate[1:] != feedrate[:-1]
@@ -139,7 +140,7 @@ def _lines(moves: Moves, steps: IntArray) -> tuple[Lines, IntArray]:
     return lines, kept_before
 
 
-def _insertions(moves: Moves, kept_before: IntArray) -> tuple[IntArray, list[list[str]]]:
+def _insertions(moves: Moves, kept_before: IntArray, printer: PrinterProfile) -> tuple[IntArray, list[list[str]]]:
     """What stands between the lines: comments at layers and features, the progress at each layer, the tool changes.
 
     Returns:
@@ -151,7 +152,7 @@ def _insertions(moves: Moves, kept_before: IntArray) -> tuple[IntArray, list[lis
     tool_starts[0] = False
     feature_starts = _feature_starts(moves)
     rows = np.flatnonzero(layer_starts | tool_starts | feature_starts)
-    passed = (progress(moves) * 100).astype(np.int64).clip(0, 99)[rows]
+    passed = (progress(moves, printer) * 100).astype(np.int64).clip(0, 99)[rows]
     insertions = []
     shown = 0
     for row, percent in zip(rows.tolist(), passed.tolist(), strict=True):
@@ -159,7 +160,7 @@ def _insertions(moves: Moves, kept_before: IntArray) -> tuple[IntArray, list[lis
         if layer_starts[row] and percent > shown:
             lines.append(f"M73 P{percent}")
             shown = percent
-        lines += tool_change_lines(int(moves.tool[row])) if tool_starts[row] else []
+        lines += tool_change_lines(int(moves.tool[row]), printer) if tool_starts[row] else []
         if feature_starts[row]:
             lines.append("; " + Feature(moves.feature[row]).name.lower().replace("_", " "))
         insertions.append(lines)

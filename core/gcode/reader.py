@@ -62,7 +62,7 @@ def read_gcode(data: bytes, name: str) -> ReadPrint:
     if words.are("G", 2, 3).any():
         raise PrintError("the G-code file has arcs (G2, G3)", "let the slicer write straight moves only")
     layer_lines = [line for line, text in words.comments if text.startswith("layer ")]
-    if layer_lines and b"@machine r2x" in data[:200] and not words.are("M", 137).any():
+    if layer_lines and b"@machine " in data[:200] and not words.are("M", 137).any():
         raise PrintError("the G-code file breaks off before the end of the print", _HINT)
     settings, title = _header(words.comments[: 10 * len(PrintSettings.__dataclass_fields__)])
     moving, sets = words.are("G", 0, 1), words.are("G", 92)

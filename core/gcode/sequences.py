@@ -5,17 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ..printer import REPLICATOR_2X
+from ..printer import PrinterProfile
 from ..settings import PrintSettings
 
-WARM_UP_C = 140.0  # nozzles wait at this while the bed heats: warm, but nothing drips yet
-TRAVEL_F = 6000
-LIFT_F = 1000
 PRIME_WIDTH_MM = 1.0
-PRIME_SPAN_MM = (100.0, 30.0)  # |x| where the line starts and ends; tool 0 on the right half, tool 1 on the left
 PRIME_SIDE = (1.0, -1.0)
-PRIME_Y_MM = -72.0
-PRIME_Y_BEHIND_MM = -74.5  # still on the bed, in front of all that may be printed
+PRIME_SPEED_MM_S = 30.0
 CLEARANCE_MM = 2.0
 
 
@@ -32,9 +27,9 @@ class StartSequence:
     counters: tuple[float, float]
 
 
-def tool_change_lines(tool: int) -> list[str]:
+def tool_change_lines(tool: int, printer: PrinterProfile) -> list[str]:
     """Switch the active nozzle; the firmware shifts the carriage together with the next move."""
-    return [f"G1 F{TRAVEL_F}", f"M135 T{tool}"]
+    return [f"G1 F{printer.travel_mm_min}", f"M135 T{tool}"]
 
 
 def start_sequence(
@@ -48,12 +43,14 @@ def start_sequence(
         retracted: mm of filament that each tool is left pulled back.
         front: mm, least Y of the print; the priming lines keep away from it.
     """
-    priming_y = PRIME_Y_MM if front >= PRIME_Y_MM + CLEARANCE_MM else PRIME_Y_BEHIND_MM
+    near, far = settings.printer_profile.prime_y
+    priming_y = near if front >= near + CLEARANCE_MM else far
     lines = _heat_and_home(settings, tools)
     counters = [0.0, 0.0]
     for tool in tools:
         fed = _prime_amount(settings, tool)
-        lines += tool_change_lines(tool) + _prime_lines(settings, tool, fed, retracted[tool], priming_y)
+        lines += tool_change_lines(tool, settings.printer_profile)
+        lines += _prime_lines(settings, tool, fed, retracted[tool], priming_y)
         counters[tool] = fed - retracted[tool]
     return StartSequence(lines, (counters[0], counters[1]))
 
@@ -66,12 +63,13 @@ def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str
         tool: the active one.
         counter: mm, position of its filament axis.
     """
-    axis = REPLICATOR_2X.tool_axes[tool]
+    printer = settings.printer_profile
+    axis = printer.tool_axes[tool]
     return [
         f"G1 {axis}{counter - settings.retract_length:.5f} F{settings.retract_speed * 60:.0f}",
         "M18 A B",
-        f"G1 Z{REPLICATOR_2X.reach_max[2]:.3f} F{LIFT_F}",
-        "G162 X Y F2000",
+        f"G1 Z{printer.reach_max[2]:.3f} F{printer.lift_mm_min}",
+        f"G162 X Y F{printer.homing_mm_min[0]:.0f}",
         "M109 S0 T0",
         "M104 S0 T0",
         "M104 S0 T1",
@@ -84,19 +82,23 @@ def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str
 def _heat_and_home(settings: PrintSettings, tools: tuple[int, ...]) -> list[str]:
     """A heater that stays off is not waited for: GPX warns of it."""
     hot = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
-    home_x, home_y = REPLICATOR_2X.home
-    warm_up = [f"M104 S{min(WARM_UP_C, hot[tool]):.0f} T{tool}" for tool in sorted(tools)]
+    printer = settings.printer_profile
+    level, down, touch = (f"F{feedrate:.0f}" for feedrate in printer.homing_mm_min)
+    warm_up = [f"M104 S{min(printer.warm_up_c, hot[tool]):.0f} T{tool}" for tool in sorted(tools)]
     heat_up = [f"M104 S{hot[tool]:.0f} T{tool}" for tool in sorted(tools)]
     homing = [
-        "G162 X Y F2000",
-        "G161 Z F900",
+        f"G162 X Y {level}",
+        f"G161 Z {down}",
         "G92 X0 Y0 Z-5 A0 B0",
-        "G1 Z0 F900",
-        "G161 Z F100",
+        f"G1 Z0 {down}",
+        f"G161 Z {touch}",
         "M132 X Y Z A B",
-        f"G92 X{home_x:.0f} Y{home_y:.0f} Z0 A0 B0",
+        "G92 X{:g} Y{:g} Z0 A0 B0".format(*printer.home),
     ]
-    wait_left_front = [f"G1 Z10.000 F{LIFT_F}", f"G1 X{REPLICATOR_2X.reach_min[0]:.3f} Y{PRIME_Y_MM:.3f} F{TRAVEL_F}"]
+    wait_left_front = [
+        f"G1 Z10.000 F{printer.lift_mm_min}",
+        f"G1 X{printer.reach_min[0]:.3f} Y{printer.prime_y[0]:.3f} F{printer.travel_mm_min}",
+    ]
     return [
         "M136",
         "M73 P0",
@@ -113,20 +115,22 @@ def _heat_and_home(settings: PrintSettings, tools: tuple[int, ...]) -> list[str]
 def _prime_amount(settings: PrintSettings, tool: int) -> float:
     """Mm of filament in the priming line, as the file writes it."""
     diameter = settings.filament_diameter_1 if tool else settings.filament_diameter_0
-    length = PRIME_SPAN_MM[0] - PRIME_SPAN_MM[1]
+    outer, inner = settings.printer_profile.prime_x
+    length = outer - inner
     volume = length * PRIME_WIDTH_MM * settings.first_layer_height
     return round(volume / (math.pi / 4 * diameter**2), 5)
 
 
 def _prime_lines(settings: PrintSettings, tool: int, fed: float, retracted: float, y: float) -> list[str]:
-    axis = REPLICATOR_2X.tool_axes[tool]
-    start_x, end_x = (PRIME_SIDE[tool] * x for x in PRIME_SPAN_MM)
+    printer = settings.printer_profile
+    axis, travel, lift = printer.tool_axes[tool], f"F{printer.travel_mm_min}", f"F{printer.lift_mm_min}"
+    start_x, end_x = (PRIME_SIDE[tool] * x for x in printer.prime_x)
     height = settings.first_layer_height
     pull_back = [f"G1 {axis}{fed - retracted:.5f} F{settings.retract_speed * 60:.0f}"] if retracted > 0 else []
     return [
-        f"G1 X{start_x:.3f} Y{y:.3f} F{TRAVEL_F}",
-        f"G1 Z{height:.3f} F{LIFT_F}",
-        f"G1 X{end_x:.3f} {axis}{fed:.5f} F{min(settings.first_layer_speed, 30.0) * 60:.0f}",
+        f"G1 X{start_x:.3f} Y{y:.3f} {travel}",
+        f"G1 Z{height:.3f} {lift}",
+        f"G1 X{end_x:.3f} {axis}{fed:.5f} F{min(settings.first_layer_speed, PRIME_SPEED_MM_S) * 60:.0f}",
         *pull_back,
-        f"G1 Z{height + CLEARANCE_MM:.3f} F{LIFT_F}",
+        f"G1 Z{height + CLEARANCE_MM:.3f} {lift}",
     ]

@@ -5,17 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import IntArray
-from ..printer import REPLICATOR_2X
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
-from .numbers import coordinate_words, feedrate_words, filament_words, word
+from .numbers import WordArray, coordinate_words, feedrate_words, filament_words, word
 from .program import Lines, program
 
 _CHUNK_ROWS = 1 << 15  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900
 _LINE_WORDS = 18
 _G1_X, _G1, _Y, _Z, _F, _NEWLINE = (word(text) for text in ("G1 X", "G1", " Y", " Z", " F", "\n"))
-_AXIS = np.array([word(f" {axis}") for axis in REPLICATOR_2X.tool_axes], dtype=np.uint32)
 
 
 def gcode_text(moves: Moves, settings: PrintSettings, header: list[str]) -> bytes:
@@ -30,14 +28,15 @@ def gcode_text(moves: Moves, settings: PrintSettings, header: list[str]) -> byte
         ValueError: no moves, or numbers that are not finite or too large for the file.
     """
     told = program(moves, settings)
-    body = _body(told.lines, told.places, [_joined(lines) for lines in told.insertions])
+    axes = np.array([word(f" {axis}") for axis in settings.printer_profile.tool_axes], dtype=np.uint32)
+    body = _body(told.lines, axes, told.places, [_joined(lines) for lines in told.insertions])
     return b"".join([_joined(_header_lines(settings, header) + told.start), *body, _joined(told.end)])
 
 
-def _body(lines: Lines, places: IntArray, texts: list[bytes]) -> list[bytes]:
+def _body(lines: Lines, axes: WordArray, places: IntArray, texts: list[bytes]) -> list[bytes]:
     """The lines as text with the other texts between them, in pieces."""
     count = len(lines.tool)
-    text = b"".join(_rendered(lines, slice(row, row + _CHUNK_ROWS)) for row in range(0, count, _CHUNK_ROWS))
+    text = b"".join(_rendered(lines, axes, slice(row, row + _CHUNK_ROWS)) for row in range(0, count, _CHUNK_ROWS))
     line_ends = np.flatnonzero(np.frombuffer(text, dtype=np.uint8) == ord("\n")) + 1
     offsets = np.concatenate([[0], line_ends])[places].tolist()
     pieces = [text[: offsets[0]]]
@@ -46,7 +45,7 @@ def _body(lines: Lines, places: IntArray, texts: list[bytes]) -> list[bytes]:
     return pieces
 
 
-def _rendered(lines: Lines, rows: slice) -> bytes:
+def _rendered(lines: Lines, axes: WordArray, rows: slice) -> bytes:
     """Some lines as text: a row of words each, zero bytes deleted."""
     written = lines.written[rows]
     words = np.zeros((len(written), _LINE_WORDS), dtype=np.uint32)
@@ -57,7 +56,7 @@ def _rendered(lines: Lines, rows: slice) -> bytes:
             words[named, 3 * axis] = letter
         words[named, 3 * axis + 1], words[named, 3 * axis + 2] = coordinate_words(lines.thousandths[rows, axis][named])
     named = np.flatnonzero(lines.feeds[rows])
-    words[named, 9] = _AXIS[lines.tool[rows][named]]
+    words[named, 9] = axes[lines.tool[rows][named]]
     for column, part in enumerate(filament_words(lines.steps[rows][named]), start=10):
         words[named, column] = part
     named = np.flatnonzero(lines.hastens[rows])
@@ -69,7 +68,11 @@ def _rendered(lines: Lines, rows: slice) -> bytes:
 
 def _header_lines(settings: PrintSettings, header: list[str]) -> list[str]:
     values = [f"{name} = {value}" for name, value in settings.as_dict().items()]
-    return [";@machine r2x", ";@flavor makerbot", *(_comment(text) for text in [*header, *values])]
+    return [
+        f";@machine {settings.printer_profile.gpx_machine}",
+        ";@flavor makerbot",
+        *(_comment(text) for text in [*header, *values]),
+    ]
 
 
 def _comment(text: str) -> str:

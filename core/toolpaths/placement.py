@@ -7,7 +7,7 @@ import shapely
 
 from ..errors import MeshError, SettingsError
 from ..model import BoolArray, FloatArray
-from ..printer import REPLICATOR_2X
+from ..printer import PrinterProfile
 from ..settings import PrintSettings
 
 _COARSE_MM = 2.0
@@ -36,10 +36,11 @@ def placed(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintSe
     hulls = [_hull(turned(footprint, angle)) for angle in angles]
     shapely.prepare(obstacles)
     target = _target(obstacles)
-    low, high = _reach()
+    printer = settings.printer_profile
+    low, high = _reach(printer)
     grid = [np.arange(low[axis], high[axis] + _COARSE_MM, _COARSE_MM) for axis in (0, 1)]
     places = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 2)
-    found = [_nearest_free(hull, places, target, obstacles, settings.tower_distance) for hull in hulls]
+    found = [_nearest_free(hull, places, target, obstacles, settings.tower_distance, printer) for hull in hulls]
     costs = [np.inf if place is None else _cost(place[None], target)[0] for place in found]
     best = int(np.argmin(costs))
     rough = found[best]
@@ -50,7 +51,7 @@ def placed(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintSe
         )
     step = np.arange(-_COARSE_MM, _COARSE_MM + _FINE_MM / 2, _FINE_MM)
     around = rough + np.stack(np.meshgrid(step, step, indexing="ij"), axis=-1).reshape(-1, 2)
-    fine = _nearest_free(hulls[best], around, target, obstacles, settings.tower_distance)
+    fine = _nearest_free(hulls[best], around, target, obstacles, settings.tower_distance, printer)
     return np.array([*(rough if fine is None else fine), angles[best]])
 
 
@@ -65,7 +66,7 @@ def _as_wished(footprint: FloatArray, obstacles: shapely.Geometry, settings: Pri
     mending = "change tower_x, tower_y or tower_rotation, or set tower_placement to auto"
     place = np.array([[settings.tower_x, settings.tower_y]])
     hull = _hull(turned(footprint, settings.tower_rotation))
-    if not _inside(hull, place)[0]:
+    if not _inside(hull, place, settings.printer_profile)[0]:
         raise SettingsError(f"{where} leaves the reach of both nozzles", mending)
     if not _free(hull, place, obstacles, _TOUCHING_MM)[0]:
         raise SettingsError(f"{where} meets the object or what is printed around it", mending)
@@ -84,8 +85,8 @@ def _target(obstacles: shapely.Geometry) -> FloatArray:
     return np.array([(left + right) / 2, front + 0.6 * (back - front)])
 
 
-def _reach() -> tuple[FloatArray, FloatArray]:
-    return np.array(REPLICATOR_2X.reach_min[:2]), np.array(REPLICATOR_2X.reach_max[:2])
+def _reach(printer: PrinterProfile) -> tuple[FloatArray, FloatArray]:
+    return np.array(printer.reach_min[:2]), np.array(printer.reach_max[:2])
 
 
 def _cost(places: FloatArray, target: FloatArray) -> FloatArray:
@@ -94,15 +95,20 @@ def _cost(places: FloatArray, target: FloatArray) -> FloatArray:
 
 
 def _nearest_free(
-    hull: FloatArray, places: FloatArray, target: FloatArray, obstacles: shapely.Geometry, distance: float
+    hull: FloatArray,
+    places: FloatArray,
+    target: FloatArray,
+    obstacles: shapely.Geometry,
+    distance: float,
+    printer: PrinterProfile,
 ) -> FloatArray | None:
-    places = places[_inside(hull, places)]
+    places = places[_inside(hull, places, printer)]
     places = places[_free(hull, places, obstacles, distance)]
     return places[np.argmin(_cost(places, target))] if len(places) else None
 
 
-def _inside(hull: FloatArray, places: FloatArray) -> BoolArray:
-    low, high = _reach()
+def _inside(hull: FloatArray, places: FloatArray, printer: PrinterProfile) -> BoolArray:
+    low, high = _reach(printer)
     return np.asarray((places + hull.min(axis=0) >= low).all(axis=1) & (places + hull.max(axis=0) <= high).all(axis=1))
 
 

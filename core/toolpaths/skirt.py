@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..printer import REPLICATOR_2X
 from ..settings import PrintSettings
 from .loops import Turn, exterior_rings, first_layer_loops, loop_points
 from .moves import Feature, Paths
@@ -30,7 +29,8 @@ def skirt_paths(footprint: shapely.Geometry, settings: PrintSettings) -> Paths:
     filled = shapely.convex_hull(shapely.get_parts(footprint))  # also keeps the skirt out of bays
     grown = shapely.buffer(shapely.union_all(filled), distances, quad_segs=8)
     rings = shapely.simplify(exterior_rings(np.asarray(grown)), CORNER_TOLERANCE_MM)
-    (left, front), (right, back) = REPLICATOR_2X.reach_min[:2], REPLICATOR_2X.reach_max[:2]
+    printer = settings.printer_profile
+    (left, front), (right, back) = printer.reach_min[:2], printer.reach_max[:2]
     half = width / 2
     reach = shapely.box(left + half, front + half, right - half, back - half)
     loops = [loop_points(ring) for ring in rings[shapely.covers(reach, rings)]]

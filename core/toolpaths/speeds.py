@@ -24,7 +24,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray
-from ..printer import REPLICATOR_2X
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from .moves import Feature
@@ -49,8 +48,9 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, settings: PrintSetting
     asked = feature_speeds(settings)[paths.feature[path]]
     asked = np.where(layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
     length = chord_lengths(paths)
+    queue = settings.printer_profile.queue_moves
     curve = curve_limit(paths, length, settings.max_curve_acceleration)
-    limit = np.minimum(curve, move_time_limit(paths, length, settings.min_move_time / 1000))
+    limit = np.minimum(curve, move_time_limit(paths, length, settings.min_move_time / 1000, queue))
     if settings.max_volumetric_speed > 0:
         section = paths.width * layers.height[layer] * settings.extrusion_multiplier
         limit = np.minimum(limit, settings.max_volumetric_speed / np.maximum(section, _SHORTEST_MM))
@@ -100,12 +100,12 @@ def curve_limit(paths: OrderedPaths, length: FloatArray, acceleration: float) ->
     return limit
 
 
-def move_time_limit(paths: OrderedPaths, length: FloatArray, seconds: float) -> FloatArray:
+def move_time_limit(paths: OrderedPaths, length: FloatArray, seconds: float, queue_moves: int) -> FloatArray:
     """(N,) mm/s at which half a queue of moves around each chord takes `seconds` a move on average."""
     limit = np.full(len(length), np.inf)
     if seconds <= 0 or not len(length):
         return limit
-    reach = REPLICATOR_2X.queue_moves // 4
+    reach = queue_moves // 4
     travelled = np.concatenate([[0.0], np.cumsum(length)])
     path = np.repeat(np.arange(len(paths.layer)), np.diff(paths.start))
     chord = np.arange(len(length))

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..gcode.sequences import PRIME_Y_BEHIND_MM, PRIME_Y_MM
 from ..model import BoolArray, FloatArray, IntArray
-from ..printer import REPLICATOR_2X, PrinterProfile
+from ..printer import PrinterProfile
 from .commands import Action, Command
 from .reader import Commands
 
@@ -40,7 +39,7 @@ class _Motion:
     strand: BoolArray
 
 
-def audit(commands: Commands, printer: PrinterProfile = REPLICATOR_2X, tower: FloatArray | None = None) -> list[str]:
+def audit(commands: Commands, printer: PrinterProfile, tower: FloatArray | None = None) -> list[str]:
     """Findings, one sentence each; none means that the file may be printed.
 
     Nothing extrudes cold, out of bounds, on the wrong axis or while the filament is still pulled back; each tool
@@ -59,7 +58,7 @@ def audit(commands: Commands, printer: PrinterProfile = REPLICATOR_2X, tower: Fl
     findings += _outside(commands, motion, printer)
     findings += _wrong_axis(commands, motion, printer)
     findings += _temperatures(commands, motion, printer)
-    return findings + _tool_changes(commands, motion, tower)
+    return findings + _tool_changes(commands, motion, printer, tower)
 
 
 def _motion(commands: Commands, printer: PrinterProfile) -> _Motion:
@@ -120,7 +119,7 @@ def _numbers(commands: Commands, motion: _Motion, printer: PrinterProfile) -> li
 
 
 def _outside(commands: Commands, motion: _Motion, printer: PrinterProfile) -> list[str]:
-    low = np.array([printer.reach_min[0], PRIME_Y_BEHIND_MM, 0.0]) - _TOLERANCE_MM
+    low = np.array([printer.reach_min[0], min(printer.prime_y), 0.0]) - _TOLERANCE_MM
     high = np.array(printer.reach_max) + _TOLERANCE_MM
     # A strand has two ends; the first one is where the command before left the nozzle.
     before = np.concatenate([motion.place[:1], motion.place[:-1]])
@@ -185,7 +184,7 @@ def _ready(commands: Commands, rows: IntArray, targets: IntArray, least: float, 
     return np.asarray((target >= least) & (np.maximum.accumulate(waited) > cold))
 
 
-def _tool_changes(commands: Commands, motion: _Motion, tower: FloatArray | None) -> list[str]:
+def _tool_changes(commands: Commands, motion: _Motion, printer: PrinterProfile, tower: FloatArray | None) -> list[str]:
     changed = np.zeros(len(commands.code), dtype=bool)
     changed[1:] = (commands.tool[1:] != commands.tool[:-1]) & (commands.tool[:-1] >= 0)
     next_move = _following(np.flatnonzero(changed), motion.row)
@@ -202,7 +201,7 @@ def _tool_changes(commands: Commands, motion: _Motion, tower: FloatArray | None)
         return findings
     first = _following(np.flatnonzero(changed), np.flatnonzero(motion.strand))
     begin = motion.place[first] - motion.way[first]
-    priming_line = begin[:, 1] <= PRIME_Y_MM + _TOLERANCE_MM
+    priming_line = begin[:, 1] <= max(printer.prime_y) + _TOLERANCE_MM
     low, high = tower - _TOLERANCE_MM, tower + _TOLERANCE_MM
     elsewhere = np.zeros(len(changed), dtype=bool)
     elsewhere[first] = ((begin[:, :2] < low[0]) | (begin[:, :2] > high[1])).any(axis=1) & ~priming_line

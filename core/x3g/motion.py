@@ -14,7 +14,6 @@ from .commands import AXES, FILAMENT_AXES, MOVE, Command
 from .track import Kind, Track
 
 _US_PER_MINUTE = 60_000_000
-_LEAST_INTERVAL_US = 37  # between steps of X at full speed
 
 
 @dataclass(frozen=True)
@@ -132,4 +131,5 @@ def _steps(track: Track, row: int, printer: PrinterProfile) -> list[int]:
 def _interval(steps: list[int], feedrate: int, printer: PrinterProfile) -> int:
     """Us between steps so that no axis that is away from its zero goes faster than the feedrate."""
     away = [printer.steps_per_mm[min(axis, 3)] for axis in range(AXES) if steps[axis]]
-    return max([_LEAST_INTERVAL_US, *(int(_US_PER_MINUTE / (per_mm * feedrate)) for per_mm in away)])
+    fastest = int(1e6 / (printer.steps_per_mm[0] * printer.max_speed_mm_s[0]))
+    return max([fastest, *(int(_US_PER_MINUTE / (per_mm * feedrate)) for per_mm in away)])

@@ -6,7 +6,6 @@ import numpy as np
 
 from ..gcode.reader import ReadPrint
 from ..model import BoolArray, FloatArray
-from ..printer import REPLICATOR_2X
 from ..settings import PrintSettings
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
 from .reader import read_x3g
@@ -28,7 +27,7 @@ def moves_of_x3g(data: bytes, name: str, settings: PrintSettings | None = None) 
     settings = settings or PrintSettings()
     found = read_x3g(data)
     rows = np.flatnonzero(found.moves & found.known[:, :3].all(axis=1))
-    per_mm = np.array(REPLICATOR_2X.steps_per_mm)
+    per_mm = np.array(settings.printer_profile.steps_per_mm)
     position = found.steps[rows, :3] / per_mm[:3]
     fed = -found.way[rows, 3:].sum(axis=1) / per_mm[3]
     step = np.diff(position, axis=0, prepend=position[:1])

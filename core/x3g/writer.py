@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from ..gcode.program import program
-from ..printer import REPLICATOR_2X
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 from .motion import planned_moves
@@ -23,8 +22,8 @@ def x3g_bytes(moves: Moves, settings: PrintSettings, name: str = "") -> bytes:
     """
     told = program(moves, settings)
     shown = "".join(sign if sign.isprintable() else "?" for sign in name)
-    track = follow(told, shown, REPLICATOR_2X)
-    records, kept, special = planned_moves(track, REPLICATOR_2X)
+    track = follow(told, shown, settings.printer_profile)
+    records, kept, special = planned_moves(track, settings.printer_profile)
     # A row's own command stands after those inserted before it; sorting keeps the order of equals.
     others = sorted([*track.inserted, *special.items()], key=lambda place: place[0])
     pieces: list[bytes] = []
