@@ -27,13 +27,11 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
         MeshError: no faces, coordinates that are not finite, indices that do not fit, or a size that cannot be printed.
         TextureError: a texture but no UV map.
     """
-    _check_indices(model)
-    corner_vertex, vertices = _used_vertices(model)
-    _check_coordinates(vertices, model.name)
+    corner_vertex, vertices = checked(model)
     vertices = _placed(vertices, settings.center_on_bed)
     _check_size(vertices, model.name, settings)
     corners, polygon = triangle_corners(vertices, model.polygon_start, corner_vertex)
-    vertices, welded = _weld(vertices)
+    vertices, welded = _weld(vertices, _vertex_object(model, corner_vertex, len(vertices)))
     faces = welded[corner_vertex[corners]]
     a, b, c = faces.T
     proper = (a != b) & (b != c) & (c != a)
@@ -43,7 +41,21 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
         corners, polygon, faces = corners[proper], polygon[proper], faces[proper]
     face_uv, face_texture = _painting(model, corners, polygon)
     face_tone = np.full(corners.shape, np.nan) if model.corner_tone is None else model.corner_tone[corners]
-    return TriangleMesh(vertices, faces, face_uv, face_tone, face_texture)
+    face_object = None if model.polygon_object is None else model.polygon_object[polygon]
+    return TriangleMesh(vertices, faces, face_uv, face_tone, face_texture, face_object)
+
+
+def checked(model: SurfaceModel) -> tuple[IntArray, FloatArray]:
+    """Corners' vertices (C,) and coordinates (V', 3) without the vertices that no face uses.
+
+    Raises:
+        MeshError: no faces, coordinates that are not finite or indices that do not fit.
+        TextureError: a texture but no UV map.
+    """
+    _check_indices(model)
+    corner_vertex, vertices = _used_vertices(model)
+    _check_coordinates(vertices, model.name)
+    return corner_vertex, vertices
 
 
 def _check_indices(model: SurfaceModel) -> None:
@@ -117,8 +129,17 @@ def _length(millimetres: float) -> str:
     return f"{millimetres:.0f}" if 100 <= millimetres < 1e7 else f"{millimetres:.3g}"
 
 
-def _weld(vertices: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Merge vertices that lie at the same place.
+def _vertex_object(model: SurfaceModel, corner_vertex: IntArray, count: int) -> IntArray | None:
+    """(V,) the object on the plate that each vertex belongs to, None for a single one."""
+    if model.polygon_object is None:
+        return None
+    owner = np.zeros(count, dtype=np.int64)
+    owner[corner_vertex] = np.repeat(model.polygon_object, np.diff(model.polygon_start))
+    return owner
+
+
+def _weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArray, IntArray]:
+    """Merge vertices that lie at the same place and have the same owner (V,), if there are any.
 
     On each axis the sorted coordinates are cut into runs wherever two are farther apart than the tolerance; vertices
     in the same run on all three axes are one. Unlike a rounded grid this leaves no pair astride a cell border, and a
@@ -129,6 +150,8 @@ def _weld(vertices: FloatArray) -> tuple[FloatArray, IntArray]:
     """
     tolerance = WELD_SHARE * np.ptp(vertices, axis=0).max()
     key = np.zeros(len(vertices), dtype=np.int64)
+    if owner is not None:
+        key += owner
     for axis in range(3):
         order = np.argsort(vertices[:, axis])
         runs = np.concatenate([[0], np.cumsum(np.diff(vertices[order, axis]) > tolerance)])

@@ -28,7 +28,7 @@ class ToneImage:
 
 @dataclass(frozen=True)
 class SurfaceModel:
-    """A mesh of polygons as Blender has it, placed in the world, Z up, in mm.
+    """A mesh of polygons as Blender has it, placed in the world, Z up, in mm; or several on one plate.
 
     Attributes:
         vertices: (V, 3) float64 mm.
@@ -39,6 +39,8 @@ class SurfaceModel:
         polygon_texture: (P,) int64 index into `textures`, -1 where a polygon has none.
         textures: the pictures.
         name: of the object, for headers and messages.
+        object_names: of the objects on the plate, () for a single one.
+        polygon_object: (P,) int64 index into `object_names`, or None for a single object.
     """
 
     vertices: FloatArray
@@ -49,6 +51,13 @@ class SurfaceModel:
     polygon_texture: IntArray
     textures: tuple[ToneImage, ...] = ()
     name: str = "object"
+    object_names: tuple[str, ...] = ()
+    polygon_object: IntArray | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of all objects on the plate, one at least."""
+        return self.object_names or (self.name,)
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,7 @@ class TriangleMesh:
         face_uv: (F, 3, 2) float64 UV of each corner (zeros without a UV map).
         face_tone: (F, 3) float64 tone of each corner from a colour attribute, NaN where there is none.
         face_texture: (F,) int64 index of the texture, -1 for none.
+        face_object: (F,) int64 index of the object on the plate, or None for a single object.
     """
 
     vertices: FloatArray
@@ -68,8 +78,16 @@ class TriangleMesh:
     face_uv: FloatArray
     face_tone: FloatArray
     face_texture: IntArray
+    face_object: IntArray | None = None
 
     @property
     def bounds(self) -> FloatArray:
         """(2, 3) mm, the least and the greatest corner."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    def bounds_of(self, number: int) -> FloatArray:
+        """(2, 3) mm, the least and the greatest corner of one object on the plate."""
+        if self.face_object is None:
+            return self.bounds
+        corners = self.vertices[self.faces[self.face_object == number].ravel()]
+        return np.stack([corners.min(axis=0), corners.max(axis=0)])

@@ -18,6 +18,7 @@ from .pattern.contours import Contours, contours
 from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
 from .pattern.wave import WavedOutlines, modulated, tone_along_wall, waved
+from .plate import object_rows, plate_warnings
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
 from .slicing.slices import Slices, slices
@@ -129,8 +130,8 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
         single_color = alone.result()
-    warnings = _warnings(cut, model, lines, samples)
-    report = _report(model.name, mesh, cut, moves, settings)
+    warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples)
+    report = _report(model, mesh, cut, moves, settings)
     report |= {"time_s": time_report(moves, settings, single_color), "filament": filament_report(moves, settings)}
     clock.stop()
     report |= {"pattern": pattern, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
@@ -164,14 +165,12 @@ def _moves(outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices,
     return moves
 
 
-def _warnings(cut: Slices, model: SurfaceModel, lines: Contours, samples: Samples) -> list[str]:
+def _warnings(cut: Slices, lines: Contours, samples: Samples) -> list[str]:
     warnings = []
     if cut.united_layers:
         warnings.append(f"outlines that cross were united: in {cut.united_layers} of {len(cut.layers)} layers")
     if cut.specks:
         warnings.append(f"outlines smaller than a strand are left out: {cut.specks} in all layers")
-    if not model.textures and model.corner_tone is None:
-        warnings.append("the object has no texture and no colour attribute: it prints in one even tone")
     thin = float((lines.width < 0.999 * lines.width.max()).mean()) if len(lines.width) else 0.0
     if thin > 0.01:
         warnings.append(f"{thin:.0%} of the outline bounds walls thinner than two lines; they print with thinner lines")
@@ -183,9 +182,12 @@ def _warnings(cut: Slices, model: SurfaceModel, lines: Contours, samples: Sample
     return warnings
 
 
-def _report(name: str, mesh: TriangleMesh, cut: Slices, moves: Moves, settings: PrintSettings) -> dict[str, Any]:
+def _report(
+    model: SurfaceModel, mesh: TriangleMesh, cut: Slices, moves: Moves, settings: PrintSettings
+) -> dict[str, Any]:
     return {
-        "name": name,
+        "name": model.name,
+        "objects": object_rows(model, mesh),
         "layers": len(cut.layers),
         "tool_changes": int((np.diff(moves.tool) != 0).sum()),
         "bounds_mm": mesh.bounds.tolist(),

@@ -52,6 +52,8 @@ class PrintSettings:
     layer_height: float = setting(0.25, "Height of every layer above the first", "mm", 0.05, 0.5)
     first_layer_height: float = setting(0.25, "Height of the first layer", "mm", 0.05, 0.5)
     center_on_bed: bool = setting(True, "Move the object to the middle of the bed, its lowest point on the bed")
+    arrange: bool = setting(False, "Put several objects side by side on the bed; else they keep their places")
+    arrange_distance: float = setting(5.0, "Least distance of objects that are put side by side", "mm", 0.5, 100.0)
     gap_closing_radius: float = setting(0.05, "Gaps in an outline up to twice this are closed", "mm", 0.0, 2.0)
 
     # Pattern

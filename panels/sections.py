@@ -60,6 +60,8 @@ SECTIONS = (
         "Slicing and Fill",
         (
             "center_on_bed",
+            "arrange",
+            "arrange_distance",
             "gap_closing_radius",
             "infill_pattern",
             "infill_angle",

@@ -13,6 +13,7 @@ from ..settings import PrintSettings
 from .intersect import intersect
 from .link import link
 from .outlines import Outlines, starts, sums
+from .overlaps import overlaps
 from .planes import Layers, layer_stack
 from .regions import boundary_loops, crossing_layers, layer_regions, region_polygons
 from .union import united
@@ -34,6 +35,7 @@ class Slices:
         regions: (L,) all of a layer's regions as one multipolygon.
         united_layers: how many layers had loops that cross and were united.
         specks: how many loops were left out because a strand does not fit into them.
+        overlaps: (K, 3) pairs of objects of the plate that have room in common, and in how many layers.
     """
 
     layers: Layers
@@ -44,6 +46,7 @@ class Slices:
     regions: NDArray[np.object_]
     united_layers: int
     specks: int
+    overlaps: IntArray
 
 
 def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
@@ -67,7 +70,8 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     if len(polygons) == 0:
         raise MeshError("the mesh has no inside to print", "give it a volume, for example with a Solidify modifier")
     regions = layer_regions(polygons, polygon_layer, len(stack))
-    return Slices(stack, outlines, polygons, polygon_layer, loop_polygon, regions, int(crossing.sum()), specks)
+    united_layers, shared = int(crossing.sum()), overlaps(whole, mesh, len(stack))
+    return Slices(stack, outlines, polygons, polygon_layer, loop_polygon, regions, united_layers, specks, shared)
 
 
 def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:

@@ -1,0 +1,121 @@
+"""Several objects on one plate: put side by side, printed together, said apart in messages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from .arrange import arranged
+from .mesh import checked
+from .model import FloatArray, IntArray, SurfaceModel, ToneImage, TriangleMesh
+from .settings import PrintSettings
+from .slicing.outlines import starts
+
+_ROUNDING_MM = 1e-3
+
+
+def plate(models: Sequence[SurfaceModel], settings: PrintSettings) -> SurfaceModel:
+    """One model of several, each with its own pictures, colours and UVs; a single one is returned as it is.
+
+    The objects keep their places, or with `arrange` they are put side by side, each on the bed. The whole is placed
+    on the bed by `mesh.triangulate`.
+
+    Args:
+        models: the first gives the plate its name.
+        settings: `arrange`, `arrange_distance` and the widths of brim, raft and shield are used.
+
+    Raises:
+        MeshError: one of the objects cannot be printed, or the bed has no room for all.
+        TextureError: one has a texture but no UV map.
+    """
+    if len(models) == 1:
+        return models[0]
+    points = [checked(model)[1] for model in models]
+    if settings.arrange:
+        shifts = arranged(points, [model.name for model in models], settings)
+        models = [replace(model, vertices=model.vertices + shift) for model, shift in zip(models, shifts, strict=True)]
+    return _joined(models)
+
+
+def _joined(models: Sequence[SurfaceModel]) -> SurfaceModel:
+    """All polygons in one table; what only some of the models have is left open for the others."""
+    vertex = starts(np.array([len(model.vertices) for model in models]))
+    corner = starts(np.array([len(model.corner_vertex) for model in models]))
+    textures: list[ToneImage] = []
+    polygon_texture = [_renumbered(model, textures) for model in models]
+    return SurfaceModel(
+        vertices=np.concatenate([model.vertices for model in models]),
+        polygon_start=np.concatenate(
+            [[0], *(model.polygon_start[1:] + first for model, first in zip(models, corner[:-1], strict=True))]
+        ).astype(np.int64),
+        corner_vertex=np.concatenate(
+            [model.corner_vertex + first for model, first in zip(models, vertex[:-1], strict=True)]
+        ),
+        corner_uv=_column([model.corner_uv for model in models], corner, (2,), 0.0),
+        corner_tone=_column([model.corner_tone for model in models], corner, (), np.nan),
+        polygon_texture=np.concatenate(polygon_texture),
+        textures=tuple(textures),
+        name=models[0].name,
+        object_names=tuple(model.name for model in models),
+        polygon_object=np.repeat(np.arange(len(models)), [len(model.polygon_texture) for model in models]),
+    )
+
+
+def _renumbered(model: SurfaceModel, textures: list[ToneImage]) -> IntArray:
+    """(P,) the model's textures as indices into the common list, which they are added to unless they are there."""
+    number = np.full(len(model.textures) + 1, -1, dtype=np.int64)
+    for index, image in enumerate(model.textures):
+        known = [other is image for other in textures]
+        number[index] = known.index(True) if any(known) else len(textures)
+        if not any(known):
+            textures.append(image)
+    return np.asarray(number[np.maximum(model.polygon_texture, -1)])
+
+
+def _column(
+    parts: Sequence[FloatArray | None], corner: IntArray, shape: tuple[int, ...], missing: float
+) -> FloatArray | None:
+    """(C, …) a column of all models; None if none of them has it."""
+    if all(part is None for part in parts):
+        return None
+    whole = np.full((int(corner[-1]), *shape), missing)
+    for part, first, end in zip(parts, corner[:-1], corner[1:], strict=True):
+        if part is not None:
+            whole[first:end] = part
+    return whole
+
+
+def object_rows(model: SurfaceModel, mesh: TriangleMesh) -> list[dict[str, Any]]:
+    """For the report: each object's name and its place on the bed."""
+    return [{"name": name, "bounds_mm": mesh.bounds_of(number).tolist()} for number, name in enumerate(model.names)]
+
+
+def plate_warnings(
+    model: SurfaceModel, mesh: TriangleMesh, overlapping: IntArray, settings: PrintSettings
+) -> list[str]:
+    """What is odd about the objects of a plate, one sentence each."""
+    names, found = model.names, []
+    for one, other, layers in overlapping.tolist():
+        found.append(
+            f"{names[one]} and {names[other]} run into each other in {layers} layers and print as one: "
+            "move them apart or turn on arrange"
+        )
+    for number, name in enumerate(names):
+        above = float(mesh.bounds_of(number)[0, 2])
+        if above > settings.first_layer_height + _ROUNDING_MM:
+            found.append(f"{name} begins {above:.1f} mm above the bed: lower it, or turn on arrange or supports")
+    for number in _plain(mesh, len(names)):
+        found.append(f"{names[number]} has no texture and no colour attribute: it prints in one even tone")
+    return found
+
+
+def _plain(mesh: TriangleMesh, count: int) -> list[int]:
+    """The objects without any paint."""
+    painted = (mesh.face_texture >= 0) | ~np.isnan(mesh.face_tone).any(axis=1)
+    if mesh.face_object is None:
+        return [] if painted.any() else [0]
+    painted_faces = np.bincount(mesh.face_object, weights=painted, minlength=count)
+    return [number for number in range(count) if not painted_faces[number]]
