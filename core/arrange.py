@@ -9,7 +9,6 @@ import shapely
 
 from .errors import MeshError
 from .fill.parallel import Shapes
-from .mesh import REACH
 from .model import FloatArray
 from .settings import PrintSettings
 
@@ -34,7 +33,8 @@ def arranged(points: Sequence[FloatArray], names: Sequence[str], settings: Print
     """
     hulls = [shapely.convex_hull(shapely.multipoints(each[:, :2])) for each in points]
     covered = shapely.buffer(hulls, _around(settings))
-    size = REACH[1, :2] - REACH[0, :2]
+    printer = settings.printer_profile
+    size = np.subtract(printer.reach_max, printer.reach_min)[:2]
     x, y = (np.arange(-side, side + _GRID_MM / 2, _GRID_MM) for side in size)
     places = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     around = places[np.argsort(np.hypot(*(places / size).T).round(9), kind="stable")]

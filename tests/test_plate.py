@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.errors import MeshError, TextureError
-from dualcolor.core.mesh import REACH, triangulate
+from dualcolor.core.mesh import triangulate
 from dualcolor.core.pipeline import generate
 from dualcolor.core.plate import plate
 from dualcolor.core.settings import PrintSettings
@@ -57,7 +57,7 @@ def test_arranged_objects_stand_on_the_bed_clear_of_each_other(distance):
     between = [a.distance(b) for k, a in enumerate(boxes) for b in boxes[:k]]
     assert distance + SETTINGS.wave_depth_max <= min(between) <= distance + 4
     whole = shapely.union_all(boxes).bounds
-    assert (np.array(whole[:2]) >= REACH[0, :2]).all() and (np.array(whole[2:]) <= REACH[1, :2]).all()
+    assert (np.abs(whole) <= [105, 73, 105, 73]).all()
     np.testing.assert_allclose(np.add(whole[:2], whole[2:]), 0, atol=1e-6)
     again = places(plate(models, settings), settings)
     assert np.array_equal(again, found)
