@@ -169,6 +169,12 @@ def _warnings(cut: Slices, lines: Contours, samples: Samples) -> list[str]:
     warnings = []
     if cut.united_layers:
         warnings.append(f"outlines that cross were united: in {cut.united_layers} of {len(cut.layers)} layers")
+    if len(cut.open_layers):
+        low, high = cut.layers.plane[cut.open_layers[[0, -1]]]
+        warnings.append(
+            f"outlines that do not close are left out: in {len(cut.open_layers)} layers from {low:.1f} to "
+            f"{high:.1f} mm; fill the holes of the mesh or raise gap_closing_radius"
+        )
     if cut.specks:
         warnings.append(f"outlines smaller than a strand are left out: {cut.specks} in all layers")
     thin = float((lines.width < 0.999 * lines.width.max()).mean()) if len(lines.width) else 0.0

@@ -6,8 +6,9 @@ import shapely
 from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.slicing.cycles import cycles
 from dualcolor.core.slicing.intersect import intersect
-from dualcolor.core.slicing.link import cycles, link
+from dualcolor.core.slicing.link import link
 from dualcolor.core.slicing.outlines import Outlines, starts
 from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.slicing.slices import slices
@@ -116,6 +117,48 @@ def test_open_mesh_is_refused_with_its_height():
         cut(lidless)
 
 
+@pytest.mark.parametrize("turned", [[0], [3, 4, 7], [0, 1, 2, 3, 4, 5]])
+def test_faces_turned_the_wrong_way_change_nothing(turned):
+    closed = box((0, 0, 0), (10, 10, 4))
+    faces = closed.corner_vertex.reshape(-1, 3).copy()
+    faces[turned] = faces[turned, ::-1]
+    result = cut(surface(closed.vertices, faces))
+    assert areas(result) == pytest.approx(100.0)
+    assert len(result.open_layers) == 0
+
+
+def test_an_outline_that_does_not_close_is_left_out_and_its_layers_named():
+    whole, holed = box((0, 0, 0), (10, 10, 4)), box((20, 0, 0), (30, 10, 4))
+    both = joined(whole, surface(holed.vertices, holed.corner_vertex.reshape(-1, 3)[:-2]))
+    result = cut(both)
+    assert areas(result) == pytest.approx(100.0)
+    assert result.open_layers.tolist() == list(range(len(result.layers)))
+
+
+def test_a_gap_is_closed_by_its_width_and_not_beyond():
+    closed = box((0, 0, 0), (10, 10, 4))
+    corners = closed.vertices[closed.corner_vertex].reshape(-1, 3, 3)
+    corners[-2:] -= [0.5, 0, 0]
+    cracked = surface(corners.reshape(-1, 3), np.arange(36).reshape(-1, 3))
+    assert len(cut(cracked, KEEP.changed({"gap_closing_radius": 0.3})).open_layers) == 0
+    with pytest.raises(MeshError, match="open"):
+        cut(cracked, KEEP.changed({"gap_closing_radius": 0.2}))
+
+
+def test_soup_of_chains_closes_the_same_way_in_any_order():
+    rng = np.random.default_rng(5)
+    closed = box((0, 0, 0), (10, 10, 4))
+    corners = closed.vertices[closed.corner_vertex].reshape(-1, 3, 3)
+    for _ in range(5):
+        order = rng.permutation(12)
+        flip = rng.random(12) < 0.5
+        loose = corners[order].copy()
+        loose[flip] = loose[flip, ::-1]
+        loose += rng.uniform(-0.01, 0.01, (12, 1, 3)) * [1, 1, 0]
+        result = cut(surface(loose.reshape(-1, 3), np.arange(36).reshape(-1, 3)))
+        assert areas(result) == pytest.approx(100.0, abs=0.5)
+
+
 def test_small_gaps_are_closed():
     closed = box((0, 0, 0), (10, 10, 4))
     corners = closed.vertices[closed.corner_vertex].reshape(-1, 3, 3)
@@ -190,7 +233,8 @@ def test_every_loop_is_closed_and_uses_all_segments():
     mesh = triangulate(cylinder(sides=40), KEEP)
     stack = layer_stack(10.0, KEEP)
     segments = intersect(mesh, stack.plane)
-    lines = link(segments, stack.plane, 0.0)
+    lines, open_layers = link(segments, 0.0)
+    assert len(open_layers) == 0
     assert len(lines.points) == len(segments.layer) == 40 * 2 * len(stack)
     assert (lines.count == 80).all()
 

@@ -4,28 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import MeshError
-from ..model import FloatArray, IntArray
+from ..model import IntArray
+from .cycles import cycles
+from .gaps import close_chains
 from .intersect import Segments
 from .outlines import Outlines, starts
 
 
-def link(segments: Segments, planes: FloatArray, gap_closing_radius: float) -> Outlines:
+def link(segments: Segments, gap_closing_radius: float) -> tuple[Outlines, IntArray]:
     """Join segments that meet on the same mesh edge into closed loops, ordered by layer.
 
     Args:
         segments: of all layers.
-        planes: (L,) mm, for messages.
         gap_closing_radius: mm; open chains whose ends lie within twice this are closed.
 
-    Raises:
-        MeshError: the mesh is open: an outline does not close.
+    Returns:
+        The loops, and (K,) the layers in which an open chain had to be left out.
     """
     successor = _successors(segments)
+    open_layers = np.zeros(0, dtype=np.int64)
     if (successor < 0).any():
-        _close_gaps(segments, successor, planes, gap_closing_radius)
+        closed = close_chains(segments, successor, 2 * gap_closing_radius)
+        segments, successor, open_layers = closed.segments, closed.successor, closed.open_layers
     root, rank = cycles(successor)
-    return _in_order(segments, root, rank)
+    return _in_order(segments, root, rank), open_layers
 
 
 def _successors(segments: Segments) -> IntArray:
@@ -51,54 +53,6 @@ def _rank_in_group(ordered: IntArray) -> IntArray:
     index = np.arange(len(ordered))
     first = np.concatenate([[True], ordered[1:] != ordered[:-1]]) if len(ordered) else np.zeros(0, dtype=bool)
     return np.asarray(index - np.maximum.accumulate(np.where(first, index, 0)))
-
-
-def _close_gaps(segments: Segments, successor: IntArray, planes: FloatArray, radius: float) -> None:
-    """Join open chains, nearest ends first, in place.
-
-    Raises:
-        MeshError: a gap is wider than twice `radius`.
-    """
-    has_predecessor = np.zeros(len(successor), dtype=bool)
-    has_predecessor[successor[successor >= 0]] = True
-    loose_heads, loose_tails = np.flatnonzero(successor < 0), np.flatnonzero(~has_predecessor)
-    for layer in np.unique(segments.layer[loose_heads]):
-        heads = loose_heads[segments.layer[loose_heads] == layer]
-        tails = loose_tails[segments.layer[loose_tails] == layer]
-        gap = np.linalg.norm(segments.points[heads, 1][:, None] - segments.points[tails, 0][None], axis=2)
-        for _ in range(len(heads)):
-            i, j = np.unravel_index(np.argmin(gap), gap.shape)
-            if gap[i, j] > 2 * radius:
-                raise MeshError(
-                    f"the mesh is open: at {planes[layer]:.2f} mm above the bed an outline does not close",
-                    "fill its holes (Edit Mode, Select > All by Trait > Non Manifold, then Face > Fill)",
-                )
-            successor[heads[i]] = tails[j]
-            gap[i, :] = gap[:, j] = np.inf
-
-
-def cycles(successor: IntArray) -> tuple[IntArray, IntArray]:
-    """Take a permutation apart into its cycles.
-
-    Args:
-        successor: (S,) a permutation.
-
-    Returns:
-        (S,) the least member of each one's cycle, and (S,) how many steps after that member it comes.
-    """
-    root = np.arange(len(successor))
-    jump = successor
-    while not np.array_equal(root[successor], root):
-        root = np.minimum(root, root[jump])
-        jump = jump[jump]
-    is_root = root == np.arange(len(root))
-    steps = np.where(is_root, 0, 1)
-    jump = np.where(is_root, root, successor)
-    while steps.size and (jump != root).any():
-        steps = steps + steps[jump]
-        jump = jump[jump]
-    size = np.bincount(root, minlength=len(root))[root]
-    return root, np.where(is_root, 0, size - steps)
 
 
 def _in_order(segments: Segments, root: IntArray, rank: IntArray) -> Outlines:

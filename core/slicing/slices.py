@@ -36,6 +36,7 @@ class Slices:
         united_layers: how many layers had loops that cross and were united.
         specks: how many loops were left out because a strand does not fit into them.
         overlaps: (K, 3) pairs of objects of the plate that have room in common, and in how many layers.
+        open_layers: (K,) layers with an outline that does not close and was left out.
     """
 
     layers: Layers
@@ -47,6 +48,7 @@ class Slices:
     united_layers: int
     specks: int
     overlaps: IntArray
+    open_layers: IntArray
 
 
 def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
@@ -56,7 +58,7 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
         MeshError: the mesh is open, too low, or has no inside.
     """
     stack = layer_stack(float(mesh.vertices[:, 2].max()), settings)
-    raw = link(intersect(mesh, stack.plane), stack.plane, settings.gap_closing_radius)
+    raw, open_layers = link(intersect(mesh, stack.plane), settings.gap_closing_radius)
     # A strand as round as it gets is as long around as its width says.
     shortest = np.pi * settings.extrusion_width
     whole, specks = cleaned(raw, shortest)
@@ -67,11 +69,24 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
         # Nesting says nothing about loops that cross: go back to the loops as they were cut.
         outlines, parent = _nested(_united_where(whole, crossing, shortest))
         polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
-    if len(polygons) == 0:
+    if len(polygons) == 0 and len(open_layers) == 0:
         raise MeshError("the mesh has no inside to print", "give it a volume, for example with a Solidify modifier")
+    _check_open(open_layers, polygon_layer, stack)
     regions = layer_regions(polygons, polygon_layer, len(stack))
-    united_layers, shared = int(crossing.sum()), overlaps(whole, mesh, len(stack))
-    return Slices(stack, outlines, polygons, polygon_layer, loop_polygon, regions, united_layers, specks, shared)
+    shared, united_layers = overlaps(whole, mesh, len(stack)), int(crossing.sum())
+    return Slices(
+        stack, outlines, polygons, polygon_layer, loop_polygon, regions, united_layers, specks, shared, open_layers
+    )
+
+
+def _check_open(open_layers: IntArray, polygon_layer: IntArray, stack: Layers) -> None:
+    """Refuse a mesh of which a layer would be missing because its outline does not close."""
+    missing = np.setdiff1d(open_layers, polygon_layer)
+    if len(missing):
+        raise MeshError(
+            f"the mesh is open: at {stack.plane[missing[0]]:.2f} mm above the bed no outline closes",
+            "fill its holes (Edit Mode, Select > All by Trait > Non Manifold, then Face > Fill)",
+        )
 
 
 def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:

@@ -1,0 +1,127 @@
+"""Open chains of segments → closed outlines where gaps are small: for holes, cracks, faces turned the wrong way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ..model import BoolArray, FloatArray, IntArray
+from .cycles import cycles
+from .intersect import Segments
+
+
+@dataclass(frozen=True)
+class ClosedChains:
+    """What could be closed.
+
+    Attributes:
+        segments: S' segments of closed outlines, some turned round.
+        successor: (S',) the segment that follows each one, a permutation.
+        open_layers: (K,) layers in which a chain had to be left out, increasing.
+    """
+
+    segments: Segments
+    successor: IntArray
+    open_layers: IntArray
+
+
+def close_chains(segments: Segments, successor: IntArray, reach: float) -> ClosedChains:
+    """Join chains whose ends are near each other, nearest first, whichever way round they run; leave out the rest.
+
+    Every segment is looked at in both directions: s runs as it was cut, s + S backwards. An end that finds no partner
+    turns round there, so a chain that stays open becomes a cycle that passes its segments in both directions, which a
+    closed outline never does.
+
+    Args:
+        segments: S of all layers.
+        successor: (S,) the segment that starts on the mesh edge where each one ends, -1 where none does.
+        reach: mm, the widest gap that is closed.
+    """
+    count = len(successor)
+    going_on = _both_ways(successor)
+    heads = np.flatnonzero(successor < 0)
+    tails = np.flatnonzero(going_on[count:] < 0)
+    # A loose end is the state that arrives there: heads forwards, tails backwards.
+    ends = np.concatenate([heads, tails + count])
+    points = np.concatenate([segments.points[heads, 1], segments.points[tails, 0]])
+    partner = _nearest_pairs(points, segments.layer[ends % count], reach)
+    mirrored = (ends + count) % (2 * count)
+    going_on[ends] = np.where(partner >= 0, mirrored[partner], mirrored)
+    return _one_way(segments, going_on)
+
+
+def _both_ways(successor: IntArray) -> IntArray:
+    """(2S,) successors of the segments as they are and of the segments turned round, -1 at loose ends."""
+    count = len(successor)
+    both = np.full(2 * count, -1, dtype=np.int64)
+    both[:count] = successor
+    linked = np.flatnonzero(successor >= 0)
+    both[successor[linked] + count] = linked + count
+    return both
+
+
+def _nearest_pairs(points: FloatArray, layer: IntArray, reach: float) -> IntArray:
+    """(E,) the end that each end is joined to, -1 for none: those nearest to each other first, of the same layer."""
+    partner = np.full(len(points), -1, dtype=np.int64)
+    # Layers side by side, too far apart to meet: one tree for all.
+    pitch = float(np.ptp(points[:, 0])) + 4 * reach + 1 if len(points) else 1.0
+    placed = shapely.points(points + np.stack([layer * pitch, np.zeros(len(layer))], axis=1))
+    a, b = shapely.STRtree(placed).query(placed, predicate="dwithin", distance=reach)
+    a, b = a[a < b], b[a < b]
+    gap = np.linalg.norm(points[a] - points[b], axis=1)
+    while len(a):
+        nearest = np.full(len(points), np.inf)
+        np.minimum.at(nearest, a, gap)
+        np.minimum.at(nearest, b, gap)
+        mutual = np.flatnonzero((gap == nearest[a]) & (gap == nearest[b]))
+        # Of pairs that are equally near the first ones that share no end.
+        _, first_a = np.unique(a[mutual], return_index=True)
+        mutual = mutual[np.sort(first_a)]
+        _, first_b = np.unique(b[mutual], return_index=True)
+        mutual = mutual[np.sort(first_b)]
+        taken = np.zeros(len(points), dtype=bool)
+        ends_a, ends_b = a[mutual], b[mutual]
+        apart = ~np.isin(ends_a, ends_b) & ~np.isin(ends_b, ends_a)
+        if not apart.any():
+            apart[0] = True
+        ends_a, ends_b = ends_a[apart], ends_b[apart]
+        partner[ends_a], partner[ends_b] = ends_b, ends_a
+        taken[ends_a] = taken[ends_b] = True
+        free = ~taken[a] & ~taken[b]
+        a, b, gap = a[free], b[free], gap[free]
+    return partner
+
+
+def _one_way(segments: Segments, going_on: IntArray) -> ClosedChains:
+    """Of each outline and its mirror image the one that keeps more of the segments as they were cut."""
+    count = len(going_on) // 2
+    root, _ = cycles(going_on)
+    mirror_root = np.concatenate([root[count:], root[:count]])
+    is_open = root == mirror_root
+    length = np.linalg.norm(segments.points[:, 1] - segments.points[:, 0], axis=1)
+    forwards = np.bincount(root[:count], weights=length, minlength=2 * count)
+    better = (forwards[root] > forwards[mirror_root]) | (
+        (forwards[root] == forwards[mirror_root]) & (root < mirror_root)
+    )
+    kept = np.flatnonzero(~is_open & better)
+    place = np.full(2 * count, -1, dtype=np.int64)
+    place[kept] = np.arange(len(kept))
+    turned = turned_segments(segments, kept % count, kept >= count)
+    return ClosedChains(turned, place[going_on[kept]], np.unique(segments.layer[is_open[:count]]))
+
+
+def turned_segments(segments: Segments, index: IntArray, turn: BoolArray) -> Segments:
+    """Some of the segments, those that `turn` marks running the other way."""
+    points, carried = segments.points[index], segments.carried[index]
+    points[turn], carried[turn] = points[turn, ::-1], carried[turn, ::-1]
+    tail, head = segments.tail[index], segments.head[index]
+    return Segments(
+        segments.layer[index],
+        segments.face[index],
+        np.where(turn, head, tail),
+        np.where(turn, tail, head),
+        points,
+        carried,
+    )
