@@ -100,14 +100,16 @@ class PrintSettings:
     # Walls and fill
     extrusion_width: float = setting(0.4, "Width of an extruded line", "mm", 0.2, 1.2)
     first_layer_extrusion_width: float = setting(
-        0.4, "Width of the first layer's lines around the object: skirt, brim, tower", "mm", 0.2, 1.2
+        0.4, "Width of the first layer's lines, on the bed", "mm", 0.2, 1.2
     )
     perimeters: int = setting(1, "Straight walls behind the waved outline", "", 0, 20)
     bottom_solid_layers: int = setting(3, "Solid layers at the bottom", "", 0, 100)
     top_solid_layers: int = setting(3, "Solid layers at the top", "", 0, 100)
     infill_density: float = setting(10.0, "Share of the inside that is filled", "%", 0.0, 100.0)
     infill_pattern: str = setting(
-        "rectilinear", "Lines in one direction a layer, or in two", choices=("rectilinear", "grid")
+        "rectilinear",
+        "Lines of sparse fill: one direction a layer, two, three, a gyroid, or loops that follow the walls",
+        choices=("rectilinear", "grid", "triangles", "gyroid", "concentric"),
     )
     infill_angle: float = setting(
         45.0, "Direction of the fill; it alternates between + and - this angle", "°", 0.0, 90.0

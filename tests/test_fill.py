@@ -36,7 +36,7 @@ def test_fill_reaches_into_the_last_wall_by_the_overlap():
     islands = shapes([square(20)])
     for perimeters, overlap in ((0, 0.0), (1, 15.0), (2, 50.0)):
         plan = PrintSettings(perimeters=perimeters, infill_overlap=overlap)
-        walls, fill = walls_and_fill(islands, plan)
+        walls, fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)
         assert len(walls) == perimeters
         assert fill[0].bounds[2] == pytest.approx(10 - WIDTH * (perimeters + 0.5 - overlap / 100))
 
@@ -61,7 +61,7 @@ def test_skins_of_a_step_pyramid_lie_on_its_steps(upside_down):
     solid_layers = {"bottom_solid_layers": 3, "top_solid_layers": 0} if upside_down else {"bottom_solid_layers": 0}
     sliced, islands, layer = stack(steps[::-1] if upside_down else steps)
     plan = PrintSettings(**solid_layers)
-    fill = walls_and_fill(islands, plan)[1]
+    fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1]
     solid, sparse = solid_and_sparse(sliced, fill, layer, plan)
     for column in (solid, sparse, fill):
         column[:] = column[::-1] if upside_down else column
@@ -77,7 +77,7 @@ def test_more_solid_layers_below_than_above():
     steps = [square(16)] * 8 + [square(40)] * 8
     sliced, islands, layer = stack(steps)
     plan = PrintSettings(bottom_solid_layers=5, top_solid_layers=1)
-    solid, _ = solid_and_sparse(sliced, walls_and_fill(islands, plan)[1], layer, plan)
+    solid, _ = solid_and_sparse(sliced, walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1], layer, plan)
     assert np.flatnonzero(shapely.area(solid) > 1).tolist() == [0, 1, 2, 3, 4, 8, 9, 10, 11, 12, 15]
 
 
@@ -85,11 +85,13 @@ def test_steep_walls_and_slivers_make_no_skin():
     steep = [square(40 - 0.3 * k) for k in range(12)]  # the wall itself is thicker than three layers' slope
     sliced, islands, layer = stack(steep)
     plan = PrintSettings()
-    solid, _ = solid_and_sparse(sliced, walls_and_fill(islands, plan)[1], layer, plan)
+    solid, _ = solid_and_sparse(sliced, walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1], layer, plan)
     assert (shapely.area(solid[3:-3]) == 0).all()
     notched = [square(40)] * 5 + [shapely.difference(square(40), shapely.box(-0.08, -9, 0.08, 9))] + [square(40)] * 5
     islands = shapes([square(38)] * 11)
-    solid, _ = solid_and_sparse(shapes(notched), walls_and_fill(islands, plan)[1], np.arange(11), plan)
+    solid, _ = solid_and_sparse(
+        shapes(notched), walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1], np.arange(11), plan
+    )
     assert (shapely.area(solid[3:-3]) == 0).all()
 
 
@@ -139,7 +141,7 @@ def test_an_island_of_several_parts_with_holes_is_filled_whole():
     paths = fill_paths(islands, islands, np.zeros(1, dtype=np.int64), plan)
     assert (paths.feature == Feature.INNER_WALL).sum() == 3
     lines = lines_of(paths, Feature.SKIN)
-    fill = walls_and_fill(islands, plan)[1][0]
+    fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1][0]
     assert shapely.length(lines).sum() * WIDTH == pytest.approx(fill.area, rel=0.03)
     assert shapely.covers(fill.buffer(WIDTH), lines).all()
 

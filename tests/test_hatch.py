@@ -30,7 +30,7 @@ def test_solid_fill_covers_the_area_once(angle):
     sliced, islands, layer = stack([annulus(40, 12)])
     plan = PrintSettings(infill_density=100, infill_angle=angle)
     paths = fill_paths(sliced, islands, layer, plan)
-    fill = walls_and_fill(islands, plan)[1][0]
+    fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1][0]
     lines = lines_of(paths, Feature.SKIN)
     assert shapely.length(lines).sum() * WIDTH == pytest.approx(fill.area, rel=0.03)
     assert shapely.covers(fill.buffer(1e-6), lines).all()
@@ -63,7 +63,7 @@ def test_density_is_the_share_of_the_area_under_lines(density, pattern):
         bottom_solid_layers=0, top_solid_layers=0, infill_density=density, infill_pattern=pattern, infill_angle=30
     )
     paths = fill_paths(sliced, islands, layer, plan)
-    area = walls_and_fill(islands, plan)[1][0].area
+    area = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1][0].area
     for k, directions in enumerate(((30, 120), (30, 120)) if pattern == "grid" else ((30,), (-30,))):
         lengths = [length_along(lines_of(paths, Feature.INFILL, k), direction) for direction in directions]
         assert sum(lengths) * WIDTH / area == pytest.approx(density / 100, rel=0.04)
@@ -89,7 +89,7 @@ def test_sparse_lines_of_every_second_layer_stack_up():
         assert len(lines) > 4 and np.allclose(lines, np.round(lines), atol=1e-6)
 
 
-@pytest.mark.parametrize("pattern", ["rectilinear", "grid"])
+@pytest.mark.parametrize("pattern", ["rectilinear", "grid", "triangles"])
 def test_random_regions_are_filled_once_and_never_left(pattern):
     islands = blobs(24, 7)
     layer = np.arange(24) // 2
@@ -97,7 +97,7 @@ def test_random_regions_are_filled_once_and_never_left(pattern):
     sliced = shapes([shapely.unary_union(list(islands[layer == k])) for k in range(12)])
     paths = fill_paths(sliced, islands, layer, plan)
     table_is_sound(paths)
-    _, fill = walls_and_fill(islands, plan)
+    _, fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)
     solid, sparse = solid_and_sparse(sliced, fill, layer, plan)
     assert shapely.area(shapely.intersection(solid, sparse)).max() < 1e-6
     scanned, printed = 0, 0
@@ -106,8 +106,8 @@ def test_random_regions_are_filled_once_and_never_left(pattern):
         assert len(lines) and (paths.layer[paths.feature == feature] == layer[island]).all()
         assert shapely.covers(shapely.buffer(regions, WIDTH)[island], lines).all()
         for k in range(24):
-            grid = feature == Feature.INFILL and pattern == "grid"
-            angles = [45, 135] if grid else [45 if layer[k] % 2 == 0 else -45]
+            crossed = {"grid": [45, 135], "triangles": [45, 105, 165]} if feature == Feature.INFILL else {}
+            angles = crossed.get(pattern, [45 if layer[k] % 2 == 0 else -45])
             spacing = WIDTH if feature == Feature.SKIN else WIDTH / 0.3 * len(angles)
             for angle in angles:
                 cut = crossings(regions[k : k + 1], np.full(1, float(angle)), np.full(1, spacing))
@@ -145,7 +145,7 @@ def test_where_a_ring_starts_makes_no_difference():
     for share in np.linspace(0, 1, 40, endpoint=False):
         turned = shapely.Polygon(rolled(region.exterior, share), [rolled(hole, share) for hole in region.interiors])
         for solid, sparse in (([turned], [shapely.Polygon()]), ([shapely.Polygon()], [turned])):
-            results.append(hatch_paths(planned(shapes(solid), shapes(sparse), island, plan), island, plan))
+            results.append(hatch_paths(planned(shapes(solid), shapes(sparse), island, plan), island))
     for first, later in ((results[0], results[2::2]), (results[1], results[3::2])):
         for paths in later:
             assert np.array_equal(paths.start, first.start)

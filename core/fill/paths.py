@@ -8,15 +8,21 @@ import numpy as np
 
 from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
+from ..slicing.planes import line_widths, middle_heights
 from ..toolpaths.moves import Feature, Paths
+from .concentric import nested
+from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
 from .parallel import Shapes
 from .skins import solid_and_sparse
-from .walls import wall_paths, walls_and_fill
+from .walls import boundary_paths, wall_paths, walls_and_fill
 
 _LONGEST_SPARSE_LINK = 3.0  # in spacings, along the wall
 _LONGEST_SOLID_LINK = 4.0  # in line widths, along the lines; beside a boundary that they run along links would pile up
+
+# Turns of the lines of one layer against `infill_angle`, °.
+_STRAIGHT_PATTERNS = {"rectilinear": (0.0,), "grid": (0.0, 90.0), "triangles": (0.0, 60.0, 120.0)}
 
 
 @dataclass(frozen=True)
@@ -29,6 +35,7 @@ class Hatching:
         feature: (N,) int64, SKIN or INFILL.
         angle_deg: (N,) direction of the lines.
         spacing_mm: (N,) distance of the lines.
+        width_mm: (N,) of the lines.
     """
 
     regions: Shapes
@@ -36,6 +43,7 @@ class Hatching:
     feature: IntArray
     angle_deg: FloatArray
     spacing_mm: FloatArray
+    width_mm: FloatArray
 
 
 def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings: PrintSettings) -> Paths:
@@ -50,14 +58,19 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
 
     Returns:
         INNER_WALL loops whose first centre line lies a line width inside the island's boundary, and SKIN and INFILL
-        polylines. Islands are numbered by their place in `islands`; every line is `extrusion_width` wide.
+        lines. Islands are numbered by their place in `islands`.
     """
-    walls, fill = walls_and_fill(islands, settings)
+    width = line_widths(island_layer, settings)
+    walls, fill = walls_and_fill(islands, width, settings)
     solid, sparse = solid_and_sparse(sliced, fill, island_layer, settings)
-    hatching = planned(solid, sparse, island_layer, settings)
-    return Paths.joined(
-        [wall_paths(walls, island_layer, settings.extrusion_width), hatch_paths(hatching, island_layer, settings)]
-    )
+    lines = [hatch_paths(planned(solid, sparse, island_layer, settings), island_layer)]
+    if settings.infill_density > 0.0 and settings.infill_pattern == "gyroid":
+        height = middle_heights(island_layer, settings)
+        lines.append(gyroid_paths(sparse, island_layer, height, width, settings))
+    if settings.infill_density > 0.0 and settings.infill_pattern == "concentric":
+        loops, island = nested(sparse, settings.extrusion_width * 100.0 / settings.infill_density)
+        lines.append(boundary_paths(loops, island, island_layer, width, Feature.INFILL))
+    return Paths.joined([wall_paths(walls, island_layer, width), *lines])
 
 
 def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: PrintSettings) -> Hatching:
@@ -67,45 +80,46 @@ def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: Pri
         solid: (I,) regions of the islands.
         sparse: (I,) regions of the islands.
         island_layer: (I,) layer of each island.
-        settings: the infill's density, pattern and angle and the extrusion width are read.
+        settings: the infill's density, pattern and angle and the widths are read.
+
+    Returns:
+        Skins, and sparse fill if its pattern is of straight lines.
     """
-    width, angle = settings.extrusion_width, settings.infill_angle
+    angle, width = settings.infill_angle, line_widths(island_layer, settings)
     alternating = np.where(island_layer % 2 == 0, angle, -angle)
-    everywhere = np.ones(len(island_layer))
     rows = [(solid, Feature.SKIN, alternating, width)]
-    if settings.infill_density > 0.0:
-        spacing = width * 100.0 / settings.infill_density
-        if settings.infill_pattern == "grid":
-            rows.append((sparse, Feature.INFILL, angle * everywhere, 2.0 * spacing))
-            rows.append((sparse, Feature.INFILL, (angle + 90.0) * everywhere, 2.0 * spacing))
-        else:
-            rows.append((sparse, Feature.INFILL, alternating, spacing))
+    turns = _STRAIGHT_PATTERNS.get(settings.infill_pattern, ()) if settings.infill_density > 0.0 else ()
+    for turn in turns:
+        direction = alternating if len(turns) == 1 else np.full(len(island_layer), angle + turn)
+        rows.append((sparse, Feature.INFILL, direction, len(turns) * width * 100.0 / settings.infill_density))
     return Hatching(
         regions=np.concatenate([row[0] for row in rows]),
         island=np.tile(np.arange(len(island_layer)), len(rows)),
         feature=np.concatenate([np.full(len(island_layer), int(row[1])) for row in rows]),
         angle_deg=np.concatenate([row[2] for row in rows]),
-        spacing_mm=np.concatenate([row[3] * everywhere for row in rows]),
+        spacing_mm=np.concatenate([row[3] for row in rows]),
+        width_mm=np.tile(width, len(rows)),
     )
 
 
-def hatch_paths(hatching: Hatching, island_layer: IntArray, settings: PrintSettings) -> Paths:
+def hatch_paths(hatching: Hatching, island_layer: IntArray) -> Paths:
     """Hatch all regions and join the lines.
 
     The lines of skins end half a width before their region does, as the nozzle's line is round there and the link to
     the next line runs along; so the length of line times its width is the region's area. Sparse lines end on the
     boundary, where they hold on to the wall.
     """
-    width = settings.extrusion_width
+    width = hatching.width_mm
+    half = 0.5 * float(width.min(initial=np.inf))
     cut = crossings(hatching.regions, hatching.angle_deg, hatching.spacing_mm)
     found = spans(cut)
     skin = hatching.feature == Feature.SKIN
     limits = LinkLimits(
-        closeness_mm=0.5 * width,
+        closeness_mm=half,
         straight_mm=np.where(skin, _LONGEST_SOLID_LINK * width, np.inf),
         boundary_mm=np.where(skin, 0.0, _LONGEST_SPARSE_LINK * hatching.spacing_mm),
     )
-    keep = long_enough(cut, found, 0.5 * width)
+    keep = long_enough(cut, found, half)
     points, start, region = joined(cut, found, keep, np.where(skin, 0.5 * width, 0.0), limits)
     island = hatching.island[region]
     return Paths(
@@ -115,5 +129,5 @@ def hatch_paths(hatching: Hatching, island_layer: IntArray, settings: PrintSetti
         feature=hatching.feature[region].astype(np.int64),
         island=island.astype(np.int64),
         closed=np.zeros(len(region), dtype=bool),
-        width=np.full(len(points), width),
+        width=np.repeat(width[region], np.diff(start)),
     )

@@ -7,6 +7,7 @@ import shapely
 
 from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
+from ..slicing.outlines import starts
 from ..toolpaths.moves import Feature, Paths
 from .parallel import Shapes, in_chunks
 
@@ -41,37 +42,37 @@ def offset(shapes: Shapes, distance_mm: float | FloatArray) -> Shapes:
     return grown
 
 
-def walls_and_fill(islands: Shapes, settings: PrintSettings) -> tuple[list[Shapes], Shapes]:
+def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSettings) -> tuple[list[Shapes], Shapes]:
     """Offset every island inwards, wall by wall.
 
     Args:
         islands: (I,) regions whose boundary is the centre line of the outermost wall's inside.
-        settings: `perimeters`, `extrusion_width` and `infill_overlap` are read.
+        width_mm: (I,) of the lines.
+        settings: `perimeters` and `infill_overlap` are read.
 
     Returns:
         For each wall, from the outside in, (I,) regions bounded by its centre line; and (I,) regions to fill: what
         is inside the last wall's inner edge, grown by the overlap.
     """
-    width = settings.extrusion_width
-    to_fill = width * (settings.infill_overlap / 100.0 - 0.5)
+    overlap = settings.infill_overlap / 100.0 - 0.5
 
-    def chunk(shapes: Shapes) -> tuple[Shapes, ...]:
+    def chunk(shapes: Shapes, width: FloatArray) -> tuple[Shapes, ...]:
         regions = [simplified(shapes, _SIMPLIFY_MM)]
         for _ in range(settings.perimeters):
             regions.append(offset(regions[-1], -width))
-        return (*regions[1:], simplified(offset(regions[-1], to_fill), _SIMPLIFY_MM))
+        return (*regions[1:], simplified(offset(regions[-1], overlap * width), _SIMPLIFY_MM))
 
-    *walls, fill = in_chunks(chunk, islands)
+    *walls, fill = in_chunks(chunk, islands, width_mm)
     return walls, fill
 
 
-def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: float) -> Paths:
+def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
     """The boundaries of the walls' regions as closed paths.
 
     Args:
         walls: for each wall, (I,) regions bounded by its centre line.
         island_layer: (I,) layer of each island.
-        width_mm: of the line.
+        width_mm: (I,) of the lines.
 
     Returns:
         INNER_WALL loops, outer ones counter-clockwise and holes clockwise, without those too short to be printed.
@@ -79,10 +80,28 @@ def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: float) -> 
     if not walls:
         return Paths.empty()
     island = np.tile(np.arange(len(island_layer)), len(walls))
-    parts, owner = shapely.get_parts(np.concatenate(walls), return_index=True)
+    return boundary_paths(np.concatenate(walls), island, island_layer, width_mm, Feature.INNER_WALL)
+
+
+def boundary_paths(
+    regions: Shapes, island: IntArray, island_layer: IntArray, width_mm: FloatArray, feature: Feature
+) -> Paths:
+    """The boundaries of regions as closed paths.
+
+    Args:
+        regions: (R,) Polygon or MultiPolygon, maybe empty.
+        island: (R,) int64.
+        island_layer: (I,) layer of each island.
+        width_mm: (I,) of each island's lines.
+        feature: of all of them.
+
+    Returns:
+        Outer loops counter-clockwise and holes clockwise, without those too short to be printed.
+    """
+    parts, owner = shapely.get_parts(regions, return_index=True)
     rings, part = shapely.get_rings(shapely.orient_polygons(parts), return_index=True)
     island = island[owner][part]
-    printable = shapely.length(rings) >= 2.0 * width_mm
+    printable = shapely.length(rings) >= 2.0 * width_mm[island]
     rings, island = rings[printable], island[printable]
     points, ring = shapely.get_coordinates(rings, return_index=True)
     closing = np.append(ring[1:] != ring[:-1], True)[: len(ring)]
@@ -90,10 +109,10 @@ def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: float) -> 
     counts = np.bincount(ring, minlength=len(rings))
     return Paths(
         points=points,
-        start=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
+        start=starts(counts),
         layer=island_layer[island].astype(np.int64),
-        feature=np.full(len(rings), int(Feature.INNER_WALL), dtype=np.int64),
+        feature=np.full(len(rings), int(feature), dtype=np.int64),
         island=island.astype(np.int64),
         closed=np.ones(len(rings), dtype=bool),
-        width=np.full(len(points), width_mm),
+        width=np.repeat(width_mm[island], counts),
     )

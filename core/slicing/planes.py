@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import MeshError
-from ..model import FloatArray
+from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 
 
@@ -44,3 +44,15 @@ def layer_stack(object_height: float, settings: PrintSettings) -> Layers:
     height[0] = first
     top = first + usual * np.arange(len(height))
     return Layers(top - height / 2, top, height)
+
+
+def line_widths(layer: IntArray, settings: PrintSettings) -> FloatArray:
+    """(N,) mm, how wide the object's lines are on (N,) layers; the first has its own width where it lies on the bed."""
+    on_bed = (layer == 0) & (settings.raft_layers == 0)
+    return np.where(on_bed, settings.first_layer_extrusion_width, settings.extrusion_width)
+
+
+def middle_heights(layer: IntArray, settings: PrintSettings) -> FloatArray:
+    """(N,) mm, how high the middle of (N,) layers lies above the bottom of the object."""
+    usual = settings.first_layer_height + (layer - 0.5) * settings.layer_height
+    return np.where(layer == 0, settings.first_layer_height / 2, usual)

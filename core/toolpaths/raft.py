@@ -71,9 +71,10 @@ def raft_paths(area: shapely.Geometry, settings: PrintSettings) -> Paths:
             feature=np.full(len(chosen), int(feature), dtype=np.int64),
             angle_deg=np.where(chosen % 2 == 0, 0.0, 90.0),
             spacing_mm=np.full(len(chosen), spacing * width),
+            width_mm=np.full(len(chosen), width),
         )
         if len(chosen):
-            parts.append(hatch_paths(hatching, chosen, settings.changed({"extrusion_width": width})))
+            parts.append(hatch_paths(hatching, chosen))
     lines = Paths.joined(parts)
     number = len(lines.layer)
     return replace(

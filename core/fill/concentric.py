@@ -1,0 +1,50 @@
+"""Sparse fill by lines that follow the boundary."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from ..model import IntArray
+from .parallel import Shapes, in_chunks
+from .walls import offset, simplified
+
+_SIMPLIFY_MM = 0.05
+_RADIUS_TOLERANCE = 0.02  # of the greatest circle in a part, in spacings
+
+
+def nested(regions: Shapes, spacing_mm: float) -> tuple[Shapes, IntArray]:
+    """Shrink every part of regions again and again, evenly down to its middle.
+
+    The spacing is fitted to the greatest circle inside the part, so that a whole number of loops fits: a loop stands
+    for the stripe that it runs in the middle of, and the stripes cover the part.
+
+    Args:
+        regions: (I,) Polygon or MultiPolygon, maybe empty.
+        spacing_mm: distance of neighbouring loops, about.
+
+    Returns:
+        (R,) Polygon or MultiPolygon whose boundaries are the lines; (R,) the region of each.
+    """
+    parts, owner = shapely.get_parts(regions, return_index=True)
+    if not len(parts):
+        return parts, owner.astype(np.int64)
+
+    def chunk(shapes: Shapes) -> tuple[Shapes]:
+        shapes = simplified(shapes, _SIMPLIFY_MM)
+        radius = np.zeros(len(shapes))
+        some = ~shapely.is_empty(shapes)
+        circle = shapely.maximum_inscribed_circle(shapes[some], _RADIUS_TOLERANCE * spacing_mm)
+        radius[some] = shapely.length(circle)
+        step = radius / np.maximum(np.round(radius / spacing_mm), 1)
+        loops = []
+        inner = offset(shapes, -0.5 * step)
+        while not shapely.is_empty(inner).all():
+            loops.append(inner)
+            inner = offset(inner, -step)
+        return (shapely.geometrycollections(np.stack(loops, axis=1)) if loops else shapes,)
+
+    (gathered,) = in_chunks(chunk, parts)
+    levels, part = shapely.get_parts(gathered, return_index=True)
+    some = ~shapely.is_empty(levels)
+    return levels[some], owner[part[some]].astype(np.int64)

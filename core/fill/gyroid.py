@@ -1,0 +1,138 @@
+"""Sparse fill along the gyroid, sin x cos y + sin y cos z + sin z cos x = 0, cut at the height of each layer.
+
+At one height the gyroid is a family of waves side by side, along x where |sin z| ≤ |cos z| and along y elsewhere. In
+the frame of the waves it is a cos y + b sin y = c with coefficients that depend on x only, so
+y = atan2(b, a) ± arccos(c / √(a² + b²)). Counting y in waves makes straight lines of them: regions are warped so,
+hatched and joined like for any other lines, for all layers at once, and the lines are warped back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.outlines import starts
+from ..toolpaths.moves import Feature, Paths
+from .hatch import crossings, long_enough, rotated, spans
+from .joining import LinkLimits, joined
+from .parallel import Shapes
+
+# Length of the curves over the area, for a gyroid of period 2π, averaged over all heights.
+_LENGTH_PER_AREA = 0.3913
+_CHORDS = 24  # a period is cut into these; simplifying then drops most of them
+_SHORTEST_CHORD_MM = 0.1
+_SIMPLIFY_MM = 0.06
+_LONGEST_LINK = 3.0  # in distances of the waves, along the wall
+_NO_STRAIGHT_LINK = -1.0  # what is straight between the waves is bent between the walls
+
+
+@dataclass(frozen=True)
+class _Waves:
+    """The frame of the waves of each point. N points.
+
+    Attributes:
+        z: (N,) height in radians.
+        scale_mm: of one radian.
+    """
+
+    z: FloatArray
+    scale_mm: float
+
+    def roots(self, x_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(N,) middle and (N,) half the distance, in radians, of two waves beside each other, at (N,) x."""
+        x, sine, cosine = x_mm / self.scale_mm, np.sin(self.z), np.cos(self.z)
+        along = _along_x(self.z)
+        sign = np.where(np.where(along, cosine, sine) < 0, -1.0, 1.0)
+        a = np.where(along, np.sin(x) * sign, np.abs(sine))
+        b = np.where(along, np.abs(cosine), -np.cos(x) * sign)
+        c = -sign * np.where(along, sine * np.cos(x), cosine * np.sin(x))
+        return np.arctan2(b, a), np.arccos(np.clip(c / np.hypot(a, b), -1.0, 1.0))
+
+    def counted(self, points: FloatArray) -> FloatArray:
+        """(N, 2) mm → the same with y counted in waves: a whole number on each."""
+        middle, half = self.roots(points[:, 0])
+        above = points[:, 1] / self.scale_mm - middle + half
+        pair = np.floor(above / (2 * np.pi))
+        above -= 2 * np.pi * pair
+        between = above / np.maximum(2 * half, 1e-12)
+        beyond = 1 + (above - 2 * half) / np.maximum(2 * (np.pi - half), 1e-12)
+        return np.stack([points[:, 0], 2 * pair + np.where(above < 2 * half, between, beyond)], axis=1)
+
+    def measured(self, points: FloatArray) -> FloatArray:
+        """(N, 2) with y counted in waves → mm, the inverse of `counted`."""
+        middle, half = self.roots(points[:, 0])
+        pair = np.floor(points[:, 1] / 2)
+        share = points[:, 1] - 2 * pair
+        above = np.where(share < 1, share * 2 * half, 2 * half + (share - 1) * 2 * (np.pi - half))
+        return np.stack([points[:, 0], (above + 2 * np.pi * pair + middle - half) * self.scale_mm], axis=1)
+
+
+def gyroid_paths(
+    regions: Shapes, layer: IntArray, height_mm: FloatArray, width_mm: FloatArray, settings: PrintSettings
+) -> Paths:
+    """Fill regions with the gyroid whose curves cover `infill_density` of the area, averaged over a period of height.
+
+    Args:
+        regions: (I,) Polygon or MultiPolygon, maybe empty.
+        layer: (I,) layer of each.
+        height_mm: (I,) where each is cut.
+        width_mm: (I,) of the lines.
+        settings: `infill_density`, which is not 0, `infill_angle` and `extrusion_width` are used.
+
+    Returns:
+        INFILL polylines on the gyroid, joined along the regions' boundaries; their island is the region.
+    """
+    scale = _LENGTH_PER_AREA * settings.extrusion_width * 100.0 / settings.infill_density
+    apart = np.pi * scale
+    chord = max(2 * np.pi * scale / _CHORDS, _SHORTEST_CHORD_MM)
+    z = height_mm / scale
+    angle = settings.infill_angle + np.where(_along_x(z), 0.0, 90.0)
+
+    warped = shapely.segmentize(regions, chord)
+    corners, owner = shapely.get_coordinates(warped, return_index=True)
+    counted = _Waves(z[owner], scale).counted(rotated(corners, -angle[owner]))
+    shapely.set_coordinates(warped, counted * [1.0, apart])
+    cut = crossings(warped, np.zeros(len(regions)), np.full(len(regions), apart))
+    found = spans(cut)
+    limits = LinkLimits(0.0, np.full(len(regions), _NO_STRAIGHT_LINK), np.full(len(regions), _LONGEST_LINK * apart))
+    keep = long_enough(cut, found, 0.5 * settings.extrusion_width)
+    points, start, region = joined(cut, found, keep, np.zeros(len(regions)), limits)
+
+    points, start = _subdivided(points / [1.0, apart], start, chord)
+    owner = np.repeat(region, np.diff(start))
+    points = rotated(_Waves(z[owner], scale).measured(points), angle[owner])
+    points, start = _simplified(points, start)
+    return Paths(
+        points=points,
+        start=start,
+        layer=layer[region].astype(np.int64),
+        feature=np.full(len(region), int(Feature.INFILL), dtype=np.int64),
+        island=region.astype(np.int64),
+        closed=np.zeros(len(region), dtype=bool),
+        width=np.repeat(width_mm[region], np.diff(start)),
+    )
+
+
+def _along_x(z: FloatArray) -> FloatArray:
+    return np.asarray(np.abs(np.sin(z)) <= np.abs(np.cos(z)))
+
+
+def _subdivided(points: FloatArray, start: IntArray, chord_mm: float) -> tuple[FloatArray, IntArray]:
+    """Polylines whose lines are no longer than a chord along x."""
+    step = np.diff(points, axis=0, append=points[-1:])
+    step[start[1:] - 1] = 0.0
+    count = np.maximum(np.ceil(np.abs(step[:, 0]) / chord_mm), 1).astype(np.int64)
+    first = starts(count)
+    row = np.repeat(np.arange(len(points)), count)
+    share = (np.arange(first[-1]) - first[row]) / count[row]
+    return points[row] + share[:, None] * step[row], first[start]
+
+
+def _simplified(points: FloatArray, start: IntArray) -> tuple[FloatArray, IntArray]:
+    lines = shapely.linestrings(points, indices=np.repeat(np.arange(len(start) - 1), np.diff(start)))
+    lines = shapely.simplify(lines, _SIMPLIFY_MM, preserve_topology=False)
+    return shapely.get_coordinates(lines), starts(shapely.get_num_coordinates(lines))
