@@ -11,8 +11,6 @@ from .settings import PrintSettings
 from .slicing.outlines import bounds
 from .toolpaths.moves import Feature, Moves
 
-# Below this no filament that this printer takes can be pushed through a nozzle.
-COLDEST_NOZZLE_C = 150.0
 _ROUNDING_MM = 1e-6
 _HINTS = {
     Feature.TOWER: "set tower_type to none or make the tower smaller",
@@ -87,12 +85,13 @@ def _out_of_reach(moves: Moves, low: FloatArray, high: FloatArray, least: FloatA
 
 def check_temperatures(moves: Moves, settings: PrintSettings) -> None:
     """Nozzles that print are hot, and nothing gets hotter than the printer allows."""
+    coldest_nozzle = settings.printer_profile.extrusion_temperature_c
     hottest_nozzle, hottest_bed = settings.printer_profile.max_temperature_c
     for tool in np.unique(moves.tool[moves.extrudes]).tolist():
         name = f"nozzle_temperature_{tool}"
         degrees = getattr(settings, name)
-        if not COLDEST_NOZZLE_C <= degrees <= hottest_nozzle:
-            hint = f"set it between {COLDEST_NOZZLE_C:g} and {hottest_nozzle:g} °C"
+        if not coldest_nozzle <= degrees <= hottest_nozzle:
+            hint = f"set it between {coldest_nozzle:g} and {hottest_nozzle:g} °C"
             raise SettingsError(f"{name} = {degrees:g} °C cannot print", hint)
     if settings.bed_temperature > hottest_bed:
         hint = f"set it to {hottest_bed:g} °C at most"

@@ -40,6 +40,7 @@ class PrinterProfile:
         bed_max: mm, greatest X, Y, Z that a nozzle may go to.
         reach_x_max: mm, greatest X that the carriage reaches with each tool.
         max_temperature_c: of a nozzle and of the bed.
+        extrusion_temperature_c: below this no filament can be pushed through a nozzle.
         homing_mm_min: feedrates of the start sequence: X and Y, Z fast, Z slowly.
         travel_mm_min: feedrate of the start sequence and of the nozzle shift at a tool change.
         lift_mm_min: feedrate of Z in the start and the end sequence.
@@ -65,6 +66,7 @@ class PrinterProfile:
     bed_max: Triple
     reach_x_max: Pair
     max_temperature_c: Pair
+    extrusion_temperature_c: float
     homing_mm_min: Triple
     travel_mm_min: int
     lift_mm_min: int

@@ -7,7 +7,10 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
+
+def installed() -> str:
+    """Where GPX is, "" if it is not installed."""
+    return shutil.which("gpx") or ""
 
 
 def convert(path: str | os.PathLike[str], machine: str = "r2x") -> list[str]:
@@ -15,8 +18,10 @@ def convert(path: str | os.PathLike[str], machine: str = "r2x") -> list[str]:
 
     Without `-v` GPX prints nothing but diagnostics. The X3G is left beside the G-code. Skips the test without GPX.
     """
-    program = shutil.which("gpx")
-    if program is None:
+    program = installed()
+    if not program:
+        import pytest
+
         pytest.skip("gpx is not installed")
     gcode = Path(path)
     x3g = gcode.with_suffix(".x3g")

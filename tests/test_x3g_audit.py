@@ -168,3 +168,41 @@ def test_frame_of_the_build():
     places = [i for i, part in enumerate(parts) if part[0] == Command.SET_POSITION]
     found = findings([*parts[: places[1]], *parts[places[1] + 1 :]])
     assert any("nobody knows where it is" in text for text in found)
+
+
+def test_file_cut_short_between_commands():
+    parts = pieces()
+    for end in (1, 5, len(parts) // 2, len(parts) - 12, len(parts) - 3, len(parts) - 2):
+        found = findings(parts[:end])
+        assert any("ends 0 times" in text for text in found), (end, found)
+    printing = findings(parts[: len(parts) // 2])
+    assert {text.split(" is still")[0] for text in printing if "still heated" in text} == {
+        "tool 0",
+        "tool 1",
+        "the bed",
+    }
+
+
+def test_too_much_filament():
+    parts = pieces(table((0, 0, 0.25, 0, TRAVEL, 0, 100, 0), (20, 0, 0.25, 0, OUTER_WALL, 0, 5, 10.0)))
+    assert findings(parts) == []
+    parts = pieces(table((0, 0, 0.25, 0, TRAVEL, 0, 100, 0), (20, 0, 0.25, 0, OUTER_WALL, 0, 5, 14.0)))
+    only(findings(parts), "more filament than any nozzle can lay once")
+
+
+def test_motors_let_go_in_the_middle():
+    parts = pieces()
+    at = strand(parts, -25)
+    off, on = (bytes([Command.SWITCH_AXES, mask]) for mask in (0b00001, 0b10000001))
+    only(findings([*parts[:at], off, *parts[at:]]), "an axis moves after its motor was let go")
+    assert findings([*parts[:at], on, *parts[at:]]) == []
+    released = [*parts, off]
+    assert not any("let go" in text for text in findings(released))
+
+
+@pytest.mark.parametrize(
+    ("command", "text"), [(bytes([152, 0]), "resets the printer"), (bytes([143, 31]), "overwrites the printer's home")]
+)
+def test_commands_that_change_the_printer(command, text):
+    parts = pieces()
+    only(findings([*parts[:9], command, *parts[9:]]), text)

@@ -11,11 +11,15 @@ from ..printer import PrinterProfile
 from .commands import Action, Command
 from .reader import Commands
 
-COLDEST_C = 170.0  # no filament melts below
 _TOLERANCE_MM = 0.05  # a few steps of rounding
 _LENGTH_TOLERANCE_MM = 0.1
 _LONG_MM = 1.0  # shorter moves are too much rounded to measure their speed
 _HOMED = 0b111
+_ENABLES = 0b10000000  # of the axes that SWITCH_AXES names
+_LARGEST_SECTION_MM2 = 1.5  # of a strand, wider and higher than any setting allows
+_FILAMENT_MM2 = 2.405  # the section of 1.75 mm filament, the only one that fits these machines
+# What changes the printer itself has no place in a print.
+_FORBIDDEN = {Command.FACTORY_RESET: "resets the printer", Command.STORE_HOME: "overwrites the printer's home position"}
 
 
 @dataclass(frozen=True)
@@ -42,9 +46,9 @@ class _Motion:
 def audit(commands: Commands, printer: PrinterProfile, tower: FloatArray | None = None) -> list[str]:
     """Findings, one sentence each; none means that the file may be printed.
 
-    Nothing extrudes cold, out of bounds, on the wrong axis or while the filament is still pulled back; each tool
-    change is followed by a move that does not extrude; heaters stay within their limits and are off at the end; the
-    axes are homed first, and moves say how long they are.
+    Nothing extrudes cold, out of bounds, on the wrong axis, too much or while the filament is still pulled back; each
+    tool change is followed by a move that does not extrude; heaters stay within their limits and are off at the end;
+    the axes are homed first and held, moves say how long they are, and nothing changes the printer itself.
 
     Args:
         commands: of the file.
@@ -96,7 +100,29 @@ def _frame(commands: Commands, motion: _Motion) -> list[str]:
     homed[homing] = np.bitwise_or.accumulate(commands.argument(homing, 1)) & _HOMED
     at_home = np.maximum.accumulate(homed) == _HOMED
     lost = commands.moves & ~(at_home & commands.known.all(axis=1))
-    return findings + _told(lost, motion, "an axis moves while nobody knows where it is")
+    findings += _told(lost, motion, "an axis moves while nobody knows where it is")
+    findings += _told(_released(commands), motion, "an axis moves after its motor was let go")
+    for command, harm in _FORBIDDEN.items():
+        findings += _told(commands.code == command, motion, f"a command {harm}")
+    return findings
+
+
+def _released(commands: Commands) -> BoolArray:
+    """(C,) moves of an axis whose motor has been switched off since the axis was last homed or set to a place."""
+    number = np.arange(len(commands.code))
+    released = np.zeros(len(number), dtype=bool)
+    switches = np.flatnonzero(commands.code == Command.SWITCH_AXES)
+    switches = switches[commands.argument(switches, 1) & _ENABLES == 0]
+    placed = np.flatnonzero(np.isin(commands.code, (Command.HOME_MINIMUM, Command.HOME_MAXIMUM, Command.SET_POSITION)))
+    named = np.where(commands.code[placed] == Command.SET_POSITION, -1, commands.argument(placed, 1))
+    for axis in range(commands.steps.shape[1]):
+        off, on = np.full(len(number), -1), np.full(len(number), -1)
+        let_go = switches[commands.argument(switches, 1) >> axis & 1 == 1]
+        off[let_go] = let_go
+        found = placed[named >> axis & 1 == 1]
+        on[found] = found
+        released |= (commands.way[:, axis] != 0) & (np.maximum.accumulate(off) > np.maximum.accumulate(on))
+    return released
 
 
 def _numbers(commands: Commands, motion: _Motion, printer: PrinterProfile) -> list[str]:
@@ -111,10 +137,13 @@ def _numbers(commands: Commands, motion: _Motion, printer: PrinterProfile) -> li
         speed = np.abs(every) * (commands.speed / commands.distance)[:, None]
     most = np.array([*printer.max_speed_mm_s, printer.max_speed_mm_s[3]]) * 1.02
     fast = planned & (length > _LONG_MM) & (speed > most).any(axis=1)
+    thick = motion.strand & (length > _LONG_MM)
+    thick &= motion.fed.max(axis=1) * _FILAMENT_MM2 > _LARGEST_SECTION_MM2 * length
     return (
         _told(unsaid, motion, "a move has no length or no speed")
         + _told(wrong, motion, "a move is not as long as it says")
         + _told(fast, motion, "an axis moves faster than it can")
+        + _told(thick, motion, "a strand gets more filament than any nozzle can lay")
     )
 
 
@@ -158,7 +187,7 @@ def _temperatures(commands: Commands, motion: _Motion, printer: PrinterProfile) 
         used = motion.strand if is_bed else motion.fed[:, heater] != 0
         if is_bed and not targets.any():
             continue  # printed on a cold bed on purpose
-        ready = _ready(commands, rows, targets, 1 if is_bed else COLDEST_C, wait, tool)
+        ready = _ready(commands, rows, targets, 1 if is_bed else printer.extrusion_temperature_c, wait, tool)
         what = "a strand is laid before the bed is warm" if is_bed else f"{name} moves its filament while it is cold"
         findings += _told(used & ~ready, motion, what)
     return findings
