@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import bpy
@@ -19,13 +20,18 @@ if TYPE_CHECKING:
     from ..core.pipeline import DualColorPrint
 
 SOURCE_KEY = "dualcolor_source"
+_COMPANIONS_KEY = "dualcolor_companions"
 _DISPLAY_KEY = "dualcolor_display"
 _RATIO_STEP = 1.5
 _ROUNDNESS_LEVELS = 4
 """From oval to round in three steps, each a change of the diameters by a twelfth."""
 
 
-def build_preview(result: DualColorPrint | ReadPrint, source: bpy.types.Object | None = None) -> bpy.types.Collection:
+def build_preview(
+    result: DualColorPrint | ReadPrint,
+    source: bpy.types.Object | None = None,
+    companions: Sequence[bpy.types.Object] = (),
+) -> bpy.types.Collection:
     """Show the print as strands in the current scene, where its source stands, and the source as its bounds only.
 
     The collection `<object> Dual-Color` is made, or its strands are replaced once the new ones are complete. It holds
@@ -35,6 +41,7 @@ def build_preview(result: DualColorPrint | ReadPrint, source: bpy.types.Object |
         result: the print, generated or read from a file.
         source: the mesh object that it was generated from; without it the print stands on the bed, at the
             world's origin.
+        companions: the other objects on its plate; they are shown as their bounds too.
 
     Returns:
         The collection, linked to the scene.
@@ -53,7 +60,9 @@ def build_preview(result: DualColorPrint | ReadPrint, source: bpy.types.Object |
         scene.collection.children.link(collection)
     set_drawing(scene)
     if source:
+        show_print(source, False)  # what has left the plate is shown as it was
         collection[SOURCE_KEY] = source
+        collection[_COMPANIONS_KEY] = {str(number): other for number, other in enumerate(companions)}
         show_print(source, True)
     return collection
 
@@ -89,22 +98,38 @@ def source_of(shown: bpy.types.Object | None) -> bpy.types.Object | None:
     return next((source for source in sources if source), shown)
 
 
-def show_print(source: bpy.types.Object, shown: bool) -> None:
-    """Show the strands, and of the object only its bounds; or the object alone as it was.
+def companions_of(source: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects that the last print of an object holds beside it."""
+    collection = preview_of(source)
+    kept = collection.get(_COMPANIONS_KEY) if collection else None
+    return [other for other in kept.values() if other] if kept else []
 
-    The object is not hidden, for a hidden one is neither evaluated nor painted on.
+
+def show_print(source: bpy.types.Object, shown: bool) -> None:
+    """Show the strands, and of the objects on the plate only their bounds; or the objects alone as they were.
+
+    The objects are not hidden, for a hidden one is neither evaluated nor painted on.
     """
     collection = preview_of(source)
     if collection is None:
         return
-    if shown and _DISPLAY_KEY not in collection:
-        collection[_DISPLAY_KEY] = {"type": source.display_type, "hide_render": source.hide_render}
-        source.display_type, source.hide_render = "BOUNDS", True
-    elif not shown and _DISPLAY_KEY in collection:
-        former = collection[_DISPLAY_KEY]
-        source.display_type, source.hide_render = former["type"], bool(former["hide_render"])
-        del collection[_DISPLAY_KEY]
+    companions = companions_of(source)
+    for other in companions if shown else ():
+        show_print(other, False)  # its own print, if it has one, stands in the same place
+    for printed in (source, *companions):
+        _show_bounds(printed, shown)
     collection.hide_viewport = collection.hide_render = not shown
+
+
+def _show_bounds(obj: bpy.types.Object, shown: bool) -> None:
+    """Draw an object as its bounds and do not render it, or as it was before that."""
+    if shown and _DISPLAY_KEY not in obj:
+        obj[_DISPLAY_KEY] = {"type": obj.display_type, "hide_render": obj.hide_render}
+        obj.display_type, obj.hide_render = "BOUNDS", True
+    elif not shown and _DISPLAY_KEY in obj:
+        former = obj[_DISPLAY_KEY]
+        obj.display_type, obj.hide_render = former["type"], bool(former["hide_render"])
+        del obj[_DISPLAY_KEY]
 
 
 def is_print_shown(source: bpy.types.Object) -> bool:
@@ -220,7 +245,7 @@ def _bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> Fl
         data.loops.foreach_get("vertex_index", corners)
     matrix = np.array(source.matrix_world)
     world = local.reshape(-1, 3)[np.unique(corners)] @ matrix[:3, :3].T + matrix[:3, 3]
-    return world.min(axis=0) * unit - mesh.bounds[0]
+    return world.min(axis=0) * unit - mesh.bounds_of(0)[0]
 
 
 def read_strands(shown: bpy.types.Object) -> tuple[FloatArray, IntArray, FloatArray, dict[str, IntArray]]:

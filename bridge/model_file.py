@@ -1,8 +1,9 @@
-"""Model files (.blend, .obj, .stl, .ply, .glb, .gltf) as one object in a scene, standing upright."""
+"""Model files (.blend, .obj, .stl, .ply, .glb, .gltf) as objects in a scene, standing upright."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -18,21 +19,43 @@ UP_AXIS = {".blend": "z", ".obj": "y", ".stl": "z", ".ply": "z", ".glb": "y", ".
 
 
 def open_model(path: Path, object_name: str = "", up: str = "", height_mm: float | None = None) -> bpy.types.Object:
-    """Replace what is open by a model file and make the object to print ready, active and selected.
+    """One object: see `open_models`."""
+    return open_models([path], [object_name] if object_name else [], up, height_mm)[0]
+
+
+def open_models(
+    paths: Sequence[Path], object_names: Sequence[str] = (), up: str = "", height_mm: float | None = None
+) -> list[bpy.types.Object]:
+    """Replace what is open by model files and make the objects to print ready and selected, the first one active.
 
     All meshes of an imported file become one object, at 1 mm a unit. A .blend file keeps its scene and its units;
     of several meshes the active one is taken.
 
     Args:
-        path: the file.
-        object_name: the object to take, "" for the rule above.
-        up: "y" or "z", the axis of the file that points up; "" for the usual one of its kind.
-        height_mm: scale the object to this height, or None to leave its size.
+        paths: one file, or several that are imported into one scene.
+        object_names: the objects of a single file to take, none for the rule above.
+        up: "y" or "z", the axis of the files that points up; "" for the usual one of their kind.
+        height_mm: scale the objects of each file together to this height, or None to leave their size.
 
     Raises:
         PrintError: no such file or object, an unknown kind of file, one that Blender cannot read.
         MeshError: nothing to print in it.
     """
+    for path in paths:
+        _check_file(path, alone=len(paths) == 1)
+    if object_names and len(paths) > 1:
+        raise PrintError("--object chooses from a single file", "give one model, or leave --object out")
+    if paths[0].suffix.lower() != ".blend":
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    opened = [obj for path in paths for obj in _opened(path, object_names, up, height_mm)]
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other in opened)
+    bpy.context.view_layer.objects.active = opened[0]
+    bpy.context.view_layer.update()
+    return opened
+
+
+def _check_file(path: Path, alone: bool) -> None:
     kind = path.suffix.lower()
     if kind not in UP_AXIS:
         raise PrintError(f"{path} is not a model file", f"known kinds are {', '.join(UP_AXIS)}")
@@ -40,19 +63,31 @@ def open_model(path: Path, object_name: str = "", up: str = "", height_mm: float
         raise PrintError(f"there is no file {path}")
     if not path.stat().st_size:
         raise MeshError(f"{path} is empty")
-    _read(path, kind)
+    if kind == ".blend" and not alone:
+        raise PrintError(f"{path} cannot be opened beside other files", "print several of its objects with --object")
+
+
+def _opened(path: Path, names: Sequence[str], up: str, height_mm: float | None) -> list[bpy.types.Object]:
+    """The objects of one file that are to be printed."""
+    kind = path.suffix.lower()
     imported = kind != ".blend"
+    former = set(bpy.context.scene.objects) if imported else set()
+    if imported:
+        bpy.context.scene.unit_settings.scale_length = 1.0  # the importer of glTF would take it into account
+    _read(path, kind)
     if imported:
         use_millimetres(bpy.context.scene)
     bpy.context.view_layer.update()
-    chosen = _chosen_objects(path, object_name, joined=imported)
+    found = [obj for obj in bpy.context.scene.objects if obj not in former]
+    chosen = [_named(path, found, name) for name in names] or _printable(path, found, joined=imported)
     turn = _turn(kind, up or UP_AXIS[kind])
     if imported or height_mm is not None or turn != Matrix():
-        name = path.stem if imported and not object_name else chosen[0].name
-        chosen = [_baked(chosen, turn, name)]
+        groups = [[obj] for obj in chosen] if names else [chosen]
+        titles = [group[0].name if names or not imported else path.stem for group in groups]
+        chosen = [_baked(group, turn, title) for group, title in zip(groups, titles, strict=True)]
     if height_mm is not None:
-        _scale_to_height(chosen[0], height_mm)
-    return _activated(chosen[0])
+        _scale_to_height(path, chosen, height_mm)
+    return chosen
 
 
 def _read(path: Path, kind: str) -> None:
@@ -63,7 +98,6 @@ def _read(path: Path, kind: str) -> None:
         if kind == ".blend":
             bpy.ops.wm.open_mainfile(filepath=name, load_ui=False, use_scripts=False)
             return
-        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         if kind == ".obj":
             bpy.ops.wm.obj_import(filepath=name, **axes)
         elif kind == ".stl":
@@ -86,22 +120,28 @@ def _turn(kind: str, up: str) -> Matrix:
     return Matrix(((1, 0, 0, 0), (0, 0, -sine, 0), (0, sine, 0, 0), (0, 0, 0, 1)))
 
 
-def _chosen_objects(path: Path, name: str, joined: bool) -> list[bpy.types.Object]:
-    scene = bpy.context.scene
-    meshes = sorted((obj for obj in scene.objects if obj.type == "MESH"), key=lambda obj: obj.name)
-    names = ", ".join(obj.name for obj in meshes[:10])
-    if name:
-        found = scene.objects.get(name)
-        if found is None:
-            raise PrintError(f"there is no object {name} in {path}", f"its meshes are {names}" if names else "")
-        return [found]
-    meshes = [obj for obj in meshes if obj.visible_get()]
+def _named(path: Path, found: list[bpy.types.Object], name: str) -> bpy.types.Object:
+    chosen = next((obj for obj in found if obj.name == name), None)
+    if chosen is None:
+        names = ", ".join(obj.name for obj in _meshes(found)[:10])
+        raise PrintError(f"there is no object {name} in {path}", f"its meshes are {names}" if names else "")
+    return chosen
+
+
+def _meshes(found: list[bpy.types.Object]) -> list[bpy.types.Object]:
+    return sorted((obj for obj in found if obj.type == "MESH"), key=lambda obj: obj.name)
+
+
+def _printable(path: Path, found: list[bpy.types.Object], joined: bool) -> list[bpy.types.Object]:
+    """All visible meshes if they are to be joined, else the active one."""
+    meshes = [obj for obj in _meshes(found) if obj.visible_get()]
     if not meshes:
         raise MeshError(f"there is no mesh in {path}")
     if joined or len(meshes) == 1:
         return meshes
     active = bpy.context.view_layer.objects.active
     if active not in meshes:
+        names = ", ".join(obj.name for obj in _meshes(found)[:10])
         raise PrintError(f"{path} holds several meshes", f"choose one with --object: {names}")
     return [active]
 
@@ -130,22 +170,20 @@ def _baked(sources: list[bpy.types.Object], turn: Matrix, name: str) -> bpy.type
     return copies[0]
 
 
-def _scale_to_height(obj: bpy.types.Object, height_mm: float) -> None:
-    """Scale the mesh of an object without transform about the origin."""
-    position = np.empty(len(obj.data.vertices) * 3, dtype=np.float32)
-    obj.data.attributes["position"].data.foreach_get("vector", position)
-    z = position[2::3]
+def _scale_to_height(path: Path, objects: list[bpy.types.Object], height_mm: float) -> None:
+    """Scale the meshes of objects without transform about the origin, so that together they are that high."""
+    z = np.concatenate([_heights(obj.data) for obj in objects])
     height = float(z.max() - z.min()) * mm_per_unit(bpy.context.scene)
+    name = objects[0].name if len(objects) == 1 else str(path)
     if not math.isfinite(height):
-        raise MeshError(f"{obj.name} has vertices without finite coordinates", "repair the mesh")
+        raise MeshError(f"{name} has vertices without finite coordinates", "repair the mesh")
     if height == 0:
-        raise MeshError(f"{obj.name} is flat", "it has no height to scale")
-    obj.data.transform(Matrix.Scale(height_mm / height, 4))
+        raise MeshError(f"{name} is flat", "it has no height to scale")
+    for obj in objects:
+        obj.data.transform(Matrix.Scale(height_mm / height, 4))
 
 
-def _activated(obj: bpy.types.Object) -> bpy.types.Object:
-    for other in bpy.context.view_layer.objects:
-        other.select_set(other == obj)
-    bpy.context.view_layer.objects.active = obj
-    bpy.context.view_layer.update()
-    return obj
+def _heights(mesh: bpy.types.Mesh) -> np.ndarray:
+    position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", position)
+    return position[2::3]

@@ -28,8 +28,8 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
         TextureError: a texture but no UV map.
     """
     corner_vertex, vertices = checked(model)
-    vertices = _placed(vertices, settings.center_on_bed)
-    _check_size(vertices, model.name, settings)
+    vertices = placed(vertices, settings.center_on_bed)
+    check_size(vertices, model.name, settings)
     corners, polygon = triangle_corners(vertices, model.polygon_start, corner_vertex)
     vertices, welded = _weld(vertices, _vertex_object(model, corner_vertex, len(vertices)))
     faces = welded[corner_vertex[corners]]
@@ -92,7 +92,7 @@ def _check_coordinates(vertices: FloatArray, name: str) -> None:
         raise MeshError(f"{name} reaches {farthest:.3g} mm from the origin", "check its location, scale and unit")
 
 
-def _placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
+def placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
     """Vertices (V, 3), moved onto the middle of the bed if so wished."""
     if not center_on_bed:
         return vertices
@@ -102,7 +102,7 @@ def _placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
     return moved
 
 
-def _check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None:
+def check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None:
     """Refuse what the printer cannot reach or what is too small to be meant."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     size = high - low

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .arrange import arranged
-from .mesh import checked
+from .mesh import check_size, checked, placed
 from .model import FloatArray, IntArray, SurfaceModel, ToneImage, TriangleMesh
 from .settings import PrintSettings
 from .slicing.outlines import starts
@@ -35,6 +35,8 @@ def plate(models: Sequence[SurfaceModel], settings: PrintSettings) -> SurfaceMod
         return models[0]
     points = [checked(model)[1] for model in models]
     if settings.arrange:
+        for model, vertices in zip(models, points, strict=True):
+            check_size(placed(vertices, True), model.name, settings)
         shifts = arranged(points, [model.name for model in models], settings)
         models = [replace(model, vertices=model.vertices + shift) for model, shift in zip(models, shifts, strict=True)]
     return _joined(models)

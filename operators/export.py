@@ -31,10 +31,10 @@ class FileExport(JobOperator, ExportHelper):
         return ExportHelper.invoke(self, context, event)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        """Print the active object unless that is done, and write the file."""
+        """Print the chosen objects unless that is done, and write the file."""
         obj = source_of(context.object)
         path = Path(bpy.path.abspath(self.filepath))
-        result = yield from printed(obj, context.evaluated_depsgraph_get(), reuse=True)
+        result = yield from printed(context, reuse=True)
         yield 0.97, "writing"
         result = WRITERS[self.kind](result, path)
         set_report(obj.dualcolor, result.report)

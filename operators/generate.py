@@ -7,7 +7,8 @@ from collections.abc import Generator
 import bpy
 
 from ..bridge.curves import build_preview, source_of
-from ..bridge.mesh_input import WITH_SURFACE, surface_model
+from ..bridge.mesh_input import WITH_SURFACE
+from ..bridge.plate import objects_to_print, plate_model
 from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept
 from ..core.pipeline import DualColorPrint, Progress, steps
@@ -25,31 +26,38 @@ def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> 
     return True
 
 
-def printed(
-    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, reuse: bool
-) -> Generator[Progress, None, DualColorPrint]:
-    """Print an object as it is now, show its strands and store its report; nothing is touched before the end.
+def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None, DualColorPrint]:
+    """Print the chosen objects as they are now, show their strands and store the report with the active one.
+
+    Nothing is touched before the end.
 
     Args:
-        obj: with its settings.
-        depsgraph: evaluated.
+        context: says which objects; the active one has the settings.
         reuse: whether the last print will do if nothing has changed since.
 
     Raises:
         PrintError: it cannot be printed.
     """
     yield 0.0, "reading the object"
+    obj, *others = objects = objects_to_print(context)
     settings = to_settings(obj.dualcolor)
-    model = surface_model(obj, depsgraph, settings, obj.dualcolor.image)
+    images = [each.dualcolor.image for each in objects]
+    model = plate_model(objects, context.evaluated_depsgraph_get(), settings, images)
     digest = digest_of(model, settings)
     result = kept(obj, digest) if reuse else None
     if result is None:
         result = yield from _scaled(steps(model, settings))
         yield _SHARE_OF_PIPELINE, "strands"
-        build_preview(result, obj)
+        build_preview(result, obj, others)
         set_report(obj.dualcolor, result.report)
         keep(obj, digest, result)
     return result
+
+
+def names_of(result: DualColorPrint) -> str:
+    """The name of the print and how many objects it has beside that one."""
+    more = len(result.report["objects"]) - 1
+    return f"{result.name} and {more} more" if more else result.name
 
 
 def _scaled(job: Generator[Progress, None, DualColorPrint]) -> Generator[Progress, None, DualColorPrint]:
@@ -74,9 +82,8 @@ class DUALCOLOR_OT_generate(JobOperator, bpy.types.Operator):
         return has_printable(cls, context)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        """Print the active object."""
-        obj = source_of(context.object)
-        result = yield from printed(obj, context.evaluated_depsgraph_get(), reuse=False)
+        """Print the active object and the other selected ones."""
+        result = yield from printed(context, reuse=False)
         if result.warnings:
             self.report({"WARNING"}, f"{len(result.warnings)} warnings, see the results in the sidebar")
-        return f"{obj.name}: {result.report['layers']} layers"
+        return f"{names_of(result)}: {result.report['layers']} layers"

@@ -6,6 +6,7 @@ import bpy
 
 from ..bridge.curves import preview_of, source_of
 from ..bridge.mesh_input import WITH_SURFACE
+from ..bridge.plate import objects_to_print
 from ..bridge.properties import report_of, values_of
 from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from ..operators.generate import DUALCOLOR_OT_generate
@@ -35,7 +36,8 @@ class DUALCOLOR_PT_main(_Tab, bpy.types.Panel):
         if obj is None or obj.type not in WITH_SURFACE:
             layout.label(text="Select a mesh object", icon="INFO")
             return
-        layout.label(text=obj.name, icon="OBJECT_DATA")
+        more = len(objects_to_print(context)) - 1
+        layout.label(text=f"{obj.name} and {more} more" if more else obj.name, icon="OBJECT_DATA")
         layout.template_ID(obj.dualcolor, "image", open="image.open", text="Image")
         _draw_settings(layout, obj, TEXTURE)
         buttons = layout.column(align=True)

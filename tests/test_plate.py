@@ -68,6 +68,8 @@ def test_what_has_no_room_is_named():
     assert len(plate(models[:2], ARRANGE).names) == 2
     with pytest.raises(MeshError, match="no room for three"):
         plate(models, ARRANGE)
+    with pytest.raises(MeshError, match="long is 300"):
+        plate([*models, named(box((0, 0, 0), (300, 10, 5)), "long")], ARRANGE)
 
 
 def test_a_bad_object_is_named():
