@@ -17,7 +17,8 @@ from .model import FloatArray, SurfaceModel, TriangleMesh
 from .pattern.contours import Contours, contours
 from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
-from .pattern.wave import WavedOutlines, modulated, tone_along_wall, waved
+from .pattern.slant import slant_along
+from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
 from .plate import object_rows, plate_warnings
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
@@ -115,7 +116,8 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         tone = _tone(lines, pyramids, settings)
         del painting, pyramids  # as large as the moves that are to come
         yield stage(0.5, "modulation")
-        depth, set_back = modulated(lines, tone, settings)
+        slant = average_along_wall(slant_along(lines, mesh), lines, settings.wavelength)
+        depth, set_back = modulated(lines, tone, slant, settings)
         outlines = waved(lines, samples, tone, depth, set_back, settings)
         yield stage(0.6, "fill")
         inside = inside_of_wall(lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
@@ -151,7 +153,7 @@ def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -
     if settings.pattern == "offset" or settings.texture_filter == "lanczos":
         return tone
     # The look-up has averaged over a layer pair in all directions; a wave cannot show more than one tone along it.
-    return tone_along_wall(tone, lines, settings.wavelength)
+    return average_along_wall(tone, lines, settings.wavelength)
 
 
 def _moves(outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, settings: PrintSettings) -> Moves:

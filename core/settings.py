@@ -58,7 +58,7 @@ class PrintSettings:
 
     # Pattern
     pattern: str = setting(
-        "wave_offset",
+        "offset",
         "How tone is made: waves only (the paper), waves and setting the line back, or setting back alone",
         choices=("wave", "wave_offset", "offset"),
         group="pattern",
@@ -73,8 +73,16 @@ class PrintSettings:
         0.375, "Depth of a fully attenuated wave, peak to peak", "mm", 0.0, 3.0, group="pattern"
     )
     offset_max: float = setting(
-        0.3, "How far the line of a fully attenuated colour is set back", "mm", 0.0, 2.0, group="pattern"
+        0.35, "How far the line of a fully attenuated colour is set back", "mm", 0.0, 2.0, group="pattern"
     )
+    offset_onset: float = setting(
+        0.0, "Attenuation from which on the line is set back; below it only the wave gets shallower", "", 0.0, 0.95,
+        group="pattern",
+    )  # fmt: skip
+    max_unsupported: float = setting(
+        0.3, "How far the middle of a strand may lie outside the strand below, by wave, set-back and slope together",
+        "mm", 0.0, 3.0, group="pattern",
+    )  # fmt: skip
     projection_threshold: float = setting(
         0.6, "A sample farther than this from the next layer is not carried on", "mm", 0.05, 5.0, group="pattern"
     )

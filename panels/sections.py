@@ -32,6 +32,8 @@ PATTERN = Section(
         "wave_depth_max",
         "wave_depth_min",
         "offset_max",
+        "offset_onset",
+        "max_unsupported",
         "flat_layers",
         "projection_threshold",
         "relaxation",

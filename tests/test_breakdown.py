@@ -11,7 +11,7 @@ from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.tests.printing import rosette
 from dualcolor.tests.solids import cylinder
 
-SETTINGS = PrintSettings()
+SETTINGS = PrintSettings(pattern="wave")
 
 
 @pytest.fixture(scope="module")

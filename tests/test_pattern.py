@@ -6,10 +6,10 @@ import shapely
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.pattern.contours import contours, curvature, filtered, gaussian, long_enough
 from dualcolor.core.pattern.grid import PointGrid, nearest
-from dualcolor.core.pattern.modulation import faded, layer_sign, shape
+from dualcolor.core.pattern.modulation import faded, layer_sign, shape, supported, wave_reach
 from dualcolor.core.pattern.quality import phase_at, seam_errors
 from dualcolor.core.pattern.sampling import Projector, sample
-from dualcolor.core.pattern.wave import modulated, tone_along_wall, waved
+from dualcolor.core.pattern.wave import average_along_wall, modulated, waved
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import box, cylinder, joined, lathe
@@ -17,29 +17,29 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-DEFAULT = PrintSettings()
+WAVE_OFFSET = PrintSettings(pattern="wave_offset", offset_max=0.3, max_unsupported=0.7)
 WAVE = PrintSettings(pattern="wave")
 
 
-def lines_of(model, settings=DEFAULT):
+def lines_of(model, settings=WAVE_OFFSET):
     cut = slices(triangulate(model, settings), settings)
     return contours(cut.outlines, cut.loop_polygon, settings)
 
 
-def sampled(lines, settings=DEFAULT):
+def sampled(lines, settings=WAVE_OFFSET):
     projector = Projector(lines, settings.projection_threshold)
     return sample(lines, projector, settings), projector
 
 
-def printed(model, tone, settings=DEFAULT):
+def printed(model, tone, settings=WAVE_OFFSET):
     lines = lines_of(model, settings)
     samples, _ = sampled(lines, settings)
     tones = np.full(len(lines.points), tone)
-    depth, set_back = modulated(lines, tones, settings)
+    depth, set_back = modulated(lines, tones, np.zeros(len(tones)), settings)
     return lines, samples, waved(lines, samples, tones, depth, set_back, settings)
 
 
-def spacing_is_bounded(lines, samples, settings=DEFAULT):
+def spacing_is_bounded(lines, samples, settings=WAVE_OFFSET):
     gap = samples.spacing(lines)
     assert (gap >= settings.wavelength - 1e-6).all()
     assert (gap < 2 * settings.wavelength).all()
@@ -217,7 +217,7 @@ def test_sign_flips_after_every_pair_of_layers():
 @pytest.mark.parametrize("pattern", ["wave", "wave_offset", "offset"])
 @pytest.mark.parametrize("tone", [0.0, 1.0])
 def test_the_attenuated_colour_stands_behind_the_other(pattern, tone):
-    chosen = PrintSettings(pattern=pattern)
+    chosen = PrintSettings(pattern=pattern, offset_max=0.3, max_unsupported=0.7)
     _, _, outline = printed(cylinder(radius=12, height=4), tone, chosen)
     loop = np.repeat(np.arange(len(outline.layer)), np.diff(outline.start))
     is_black = outline.layer[loop] % 2 == 0
@@ -228,7 +228,7 @@ def test_the_attenuated_colour_stands_behind_the_other(pattern, tone):
 
 
 def test_at_half_both_colours_have_their_full_depth():
-    _, _, outline = printed(cylinder(radius=12, height=4), 0.5, DEFAULT)
+    _, _, outline = printed(cylinder(radius=12, height=4), 0.5, WAVE_OFFSET)
     assert outline.depth == pytest.approx(0.75, abs=1e-9)
     assert outline.set_back == pytest.approx(0.0)
 
@@ -239,12 +239,51 @@ def test_tone_to_shape_by_pattern():
     depth, back = shape(tone, black, WAVE)
     assert depth == pytest.approx([0.75, 0.75, 0.75, 0.5625, 0.375])
     assert back == pytest.approx(0)
-    depth, back = shape(tone, white, DEFAULT)
+    depth, back = shape(tone, white, WAVE_OFFSET)
     assert depth == pytest.approx([0.375, 0.5625, 0.75, 0.75, 0.75])
     assert back == pytest.approx([0.3, 0.15, 0, 0, 0])
-    depth, back = shape(tone, black, PrintSettings(pattern="offset"))
+    depth, back = shape(tone, black, PrintSettings(pattern="offset", offset_max=0.3))
     assert depth == pytest.approx(0)
     assert back == pytest.approx([0, 0, 0, 0.15, 0.3])
+
+
+def test_set_back_begins_at_its_onset():
+    tone = np.array([0.5, 0.7, 0.8, 1.0])
+    chosen = PrintSettings(pattern="offset", offset_max=0.3, offset_onset=0.4)
+    _, back = shape(tone, np.ones(4, dtype=bool), chosen)
+    assert back == pytest.approx([0, 0, 0.1, 0.3])
+
+
+def test_a_wave_reaches_as_far_as_its_depth_or_half_way_to_the_next():
+    depth = np.array([0.0, 0.1, 0.75, 50.0])
+    none, shallow, papers, deep = wave_reach(depth, 1.2)
+    assert none == 0
+    assert shallow == pytest.approx(0.1, rel=0.02)
+    # The paper's: its middle lies 0.28 mm outside the strand below, which is 0.4 mm wide.
+    assert papers - 0.2 == pytest.approx(0.28, abs=0.005)
+    assert deep < 50.0 / 2 + 0.6
+    assert (np.diff(wave_reach(np.linspace(0, 3, 50), 1.2)) > 0).all()
+
+
+@pytest.mark.parametrize("pattern", ["wave", "wave_offset", "offset"])
+@pytest.mark.parametrize("slant", [-45.0, 0.0, 45.0])
+def test_no_strand_stands_out_farther_than_it_may(pattern, slant):
+    depth, back = np.array([0.2, 0.75, 1.5]), np.array([0.0, 0.3, 0.6])
+    chosen = PrintSettings(pattern=pattern, max_unsupported=0.2)
+    if pattern == "offset":
+        depth = np.zeros(3)
+    new_depth, new_back = supported(depth, back, np.full(3, slant), chosen)
+    step = -0.25 * np.tan(np.radians(slant))
+    needed = wave_reach(np.append(0, np.sort(new_depth)), 1.2)[1:] + new_back + step
+    assert (needed <= 0.2 + 0.2 + 1e-3).all()
+    assert (new_depth <= depth).all() and (new_back <= back).all()
+    assert (needed[-1] == pytest.approx(0.4, abs=1e-2)) or (new_back[-1] == back[-1])
+
+
+def test_upright_walls_carry_the_default_and_the_papers_pattern_unchanged():
+    for chosen in (PrintSettings(), PrintSettings(pattern="wave")):
+        shaped = shape(np.linspace(0, 1, 11), np.arange(11) % 2 == 0, chosen)
+        assert supported(*shaped, np.zeros(11), chosen) == pytest.approx(np.array(shaped))
 
 
 @given(st.lists(st.tuples(*[st.floats(0, 3)] * 4), min_size=1, max_size=20))
@@ -292,7 +331,7 @@ def test_polyline_stays_within_the_chord_tolerance_and_wastes_no_points():
 
 
 def test_flat_layers_and_short_loops_carry_no_wave():
-    chosen = PrintSettings(flat_layers=3)
+    chosen = PrintSettings(pattern="wave", flat_layers=3)
     _, _, outline = printed(joined(cylinder(radius=8, height=2), cylinder(radius=0.35, height=2, x=12)), 0.5, chosen)
     loop = np.repeat(np.arange(len(outline.layer)), np.diff(outline.start))
     assert (outline.depth[outline.layer[loop] < 3] == 0).all()
@@ -323,7 +362,7 @@ def test_line_width_follows_a_thin_wall():
 def test_tone_along_the_wall_is_averaged_over_a_wave():
     lines = lines_of(cylinder(radius=10, height=0.5))
     step = (np.arange(len(lines.points)) % 314 < 157).astype(float)
-    smooth = tone_along_wall(step, lines, 1.2)
+    smooth = average_along_wall(step, lines, 1.2)
     assert smooth.mean() == pytest.approx(step.mean())
     assert 4 <= np.flatnonzero((smooth > 0.01) & (smooth < 0.99)).size / 4 <= 8
 

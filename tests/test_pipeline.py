@@ -241,7 +241,7 @@ def test_an_unwritable_path_leaves_nothing(vase, tmp_path):
 def test_real_models_convert_without_a_diagnostic(data, name, height, tmp_path):
     """Spot and bob with their own pictures through to a file that GPX accepts."""
     texture = next((data / "meshes" / name).parent.glob("*.png"))
-    result = generate(obj_model(data / "meshes" / name, height, [image_file(texture)]), PrintSettings())
+    result = generate(obj_model(data / "meshes" / name, height, [image_file(texture)]), PrintSettings(pattern="wave"))
     export_gcode(result, tmp_path / "out.gcode")
     assert result.report["tool_changes"] == result.report["layers"] - 1
     assert np.ptp(result.outlines.tone) > 0.5

@@ -87,7 +87,7 @@ def test_first_layer_and_features():
 
 
 def test_waved_wall_of_a_print_keeps_the_rate_and_the_acceleration():
-    settings = PrintSettings(chord_tolerance=0.03, min_move_time=10)
+    settings = PrintSettings(pattern="wave", chord_tolerance=0.03, min_move_time=10)
     moves = generate(cylinder(radius=12, height=2), settings).moves
     rows = np.flatnonzero(moves.feature == Feature.OUTER_WALL)
     way = np.linalg.norm(moves.position[rows] - moves.position[rows - 1], axis=1)

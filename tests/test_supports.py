@@ -17,7 +17,7 @@ from dualcolor.tests.fill_shapes import lines_of
 from dualcolor.tests.real_models import obj_model
 from dualcolor.tests.solids import box, joined, lathe
 
-SETTINGS = PrintSettings(support_enable=True, skirt_distance=2.0)
+SETTINGS = PrintSettings(pattern="wave", support_enable=True, skirt_distance=2.0)
 WIDTH = SETTINGS.extrusion_width
 # From the surface to the nearest centre line of a support: half a wave, the air, half a line.
 CLEAR = SETTINGS.wave_depth_max / 2 + SETTINGS.support_xy_distance + WIDTH / 2
@@ -28,7 +28,8 @@ TABLE_TOP = 40  # the first layer of its plate
 def held(model, settings=SETTINGS):
     cut = slices(triangulate(model, settings), settings)
     lines = contours(cut.outlines, cut.loop_polygon, settings)
-    depth, _ = modulated(lines, np.full(len(lines.points), 0.5), settings)
+    count = len(lines.points)
+    depth, _ = modulated(lines, np.full(count, 0.5), np.zeros(count), settings)
     return cut, supports(cut, lines, depth, settings)
 
 

@@ -7,27 +7,73 @@ import numpy as np
 from ..model import BoolArray, FloatArray
 from ..settings import PrintSettings
 
+_DEEPEST = 3.0  # mm, of the waves whose reach is worked out
+
 
 def shape(tone: FloatArray, is_black: BoolArray, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
     """Wave depth and set-back for the tones of one or both colours.
 
     At tone ½ both colours stand alike. Above it the black strands are attenuated, below it the white ones: their
-    wave gets shallower (`wave`), or their whole line steps back behind the surface (`offset`), or both.
+    wave gets shallower (`wave`), or their whole line steps back behind the surface (`offset`), or both, the line from
+    the attenuation `offset_onset` on.
 
     Args:
         tone: (N,) 0 black to 1 white.
         is_black: (N,) whether the strand is black.
-        settings: pattern, wave_depth_max, wave_depth_min and offset_max are used.
+        settings: pattern, wave_depth_max, wave_depth_min, offset_max and offset_onset are used.
 
     Returns:
         (N,) depth in mm, peak to peak, and (N,) set-back in mm.
     """
     attenuation = np.clip(np.where(is_black, 2 * tone - 1, 1 - 2 * tone), 0.0, 1.0)
-    set_back = attenuation * settings.offset_max
+    onset = settings.offset_onset
+    set_back = np.maximum(attenuation - onset, 0.0) * (settings.offset_max / (1.0 - onset))
     if settings.pattern == "offset":
         return np.zeros_like(tone), set_back
     depth = settings.wave_depth_max - attenuation * (settings.wave_depth_max - settings.wave_depth_min)
     return depth, np.zeros_like(tone) if settings.pattern == "wave" else set_back
+
+
+def supported(
+    depth: FloatArray, set_back: FloatArray, slant_deg: FloatArray, settings: PrintSettings
+) -> tuple[FloatArray, FloatArray]:
+    """Less of both where a strand would stand out farther over the one below than `max_unsupported`.
+
+    A set-back strand leaves the one above it standing out by as much, and so does a slope that overhangs, by its step
+    from layer to layer; it is the sum that counts. Waves of opposite phase stand out less than their depth, for the
+    strand below passes by on both sides (`wave_reach`).
+
+    Args:
+        depth: (N,) mm, peak to peak.
+        set_back: (N,) mm.
+        slant_deg: (N,) of the surface: 0 upright, towards 90 it looks up, towards -90 down.
+        settings: max_unsupported, the extrusion width, the layer height and the least wavelength are used.
+    """
+    step = settings.layer_height * np.tan(np.radians(np.clip(-slant_deg, -89.0, 89.0)))
+    room = np.maximum(settings.max_unsupported + settings.extrusion_width / 2 - step, 0.0)
+    if settings.pattern == "offset":
+        return depth, np.minimum(set_back, room)
+    depths = np.linspace(0.0, _DEEPEST, 121)
+    reach = wave_reach(depths, settings.wavelength)
+    depth = np.minimum(depth, np.interp(room, reach, depths))
+    return depth, np.minimum(set_back, room - np.interp(depth, depths, reach))
+
+
+def wave_reach(depth: FloatArray, wavelength: float) -> FloatArray:
+    """How far the peak of a wave lies from the wave below it, of opposite phase and any smaller depth, at most.
+
+    Args:
+        depth: (D,) mm, peak to peak, ascending from 0.
+        wavelength: mm.
+
+    Returns:
+        (D,) mm, ascending; as much as the depth of a shallow wave, at most half the wavelength.
+    """
+    peak = depth[:, None, None] / 2
+    along = np.linspace(0.0, wavelength / 2, 61)
+    below = -peak * np.linspace(0.0, 1.0, 21)[:, None] * np.cos(2 * np.pi / wavelength * along)
+    nearest = np.sqrt((along**2 + (peak - below) ** 2).min(axis=2))
+    return np.asarray(np.maximum.accumulate(nearest.max(axis=1)))
 
 
 def faded(

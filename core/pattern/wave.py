@@ -14,7 +14,7 @@ from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
 from .chunks import in_chunks
 from .contours import POINTS_PER_WAVELENGTH, Contours, filtered
-from .modulation import faded, layer_is_black, layer_sign, shape
+from .modulation import faded, layer_is_black, layer_sign, shape, supported
 from .sampling import Samples
 
 # The tolerance is shared between the even sampling of the sine and the removal of points that change nothing.
@@ -84,10 +84,22 @@ def spans(lines: Contours, samples: Samples) -> Spans:
     )
 
 
-def modulated(lines: Contours, tone: FloatArray, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
-    """(N,) wave depth and (N,) set-back at every contour point, faded where there is no room, both in mm."""
+def modulated(
+    lines: Contours, tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings
+) -> tuple[FloatArray, FloatArray]:
+    """Wave depth and set-back at every contour point, less where nothing would carry a strand or there is no room.
+
+    Args:
+        lines: N contour points.
+        tone: (N,) 0 black to 1 white.
+        slant_deg: (N,) of the surface, positive where it looks up.
+        settings: those of the pattern are used.
+
+    Returns:
+        (N,) depth and (N,) set-back, mm.
+    """
     layer = lines.layer[lines.loop]
-    depth, set_back = shape(tone, layer_is_black(layer), settings)
+    depth, set_back = supported(*shape(tone, layer_is_black(layer), settings), slant_deg, settings)
     return faded(np.where(layer < settings.flat_layers, 0.0, depth), set_back, lines.room_inside, lines.room_outside)
 
 
@@ -190,14 +202,14 @@ def valley_lines(lines: Contours, depth: FloatArray, set_back: FloatArray) -> Fl
     return np.asarray(lines.points - lines.normal * (depth / 2 + set_back)[:, None])
 
 
-def tone_along_wall(tone: FloatArray, lines: Contours, window: float) -> FloatArray:
-    """Average the tone (N,) along each contour over about `window` mm."""
+def average_along_wall(values: FloatArray, lines: Contours, window: float) -> FloatArray:
+    """Average values (N,), such as tones, along each contour over about `window` mm."""
     step = lines.length / np.maximum(np.diff(lines.start), 1)
     usual = float(np.median(step)) if len(step) else 1.0
     reach = round((window / usual - 1) / 2)
     if reach < 1:
-        return tone
-    return filtered(tone, lines.start, np.full(2 * reach + 1, 1 / (2 * reach + 1)))
+        return values
+    return filtered(values, lines.start, np.full(2 * reach + 1, 1 / (2 * reach + 1)))
 
 
 def places(lines: Contours, spacing: float) -> tuple[FloatArray, IntArray]:

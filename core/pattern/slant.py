@@ -1,0 +1,21 @@
+"""How far the surface leans at every contour point."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..model import FloatArray, TriangleMesh
+from .contours import Contours
+
+
+def face_slant_deg(mesh: TriangleMesh) -> FloatArray:
+    """(F,) degrees that each face's normal points above the horizon: 0 upright, 90 a top, -90 an underside."""
+    corners = mesh.vertices[mesh.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    slant = np.degrees(np.arctan2(normal[:, 2], np.hypot(normal[:, 0], normal[:, 1])))
+    return np.asarray(slant, dtype=np.float64)
+
+
+def slant_along(lines: Contours, mesh: TriangleMesh) -> FloatArray:
+    """(N,) degrees, of the face that each contour point was cut from."""
+    return face_slant_deg(mesh)[lines.face]
