@@ -16,7 +16,7 @@ STRANDS_KEY = "dualcolor_strands"
 LAST_LAYER_KEY = "dualcolor_last_layer"
 KINDS: dict[str, tuple[Feature, ...]] = {
     "walls": (Feature.OUTER_WALL, Feature.INNER_WALL),
-    "fill": (Feature.SKIN, Feature.INFILL),
+    "fill": (Feature.SKIN, Feature.BRIDGE, Feature.INFILL),
     "supports": (Feature.SUPPORT, Feature.SUPPORT_INTERFACE),
     "tower": (Feature.TOWER, Feature.OOZE_SHIELD),
     "adhesion": (Feature.SKIRT, Feature.BRIM, Feature.RAFT),

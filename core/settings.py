@@ -178,6 +178,7 @@ class PrintSettings:
     outline_speed: float = setting(40.0, "Speed of walls", "mm/s", 1.0, 300.0)
     wave_speed: float = setting(30.0, "Speed of the waved outline along its path", "mm/s", 1.0, 300.0)
     skin_speed: float = setting(60.0, "Speed of solid top and bottom fill", "mm/s", 1.0, 300.0)
+    bridge_speed: float = setting(40.0, "Speed of solid fill over air", "mm/s", 1.0, 300.0)
     infill_speed: float = setting(80.0, "Speed of sparse fill", "mm/s", 1.0, 300.0)
     tower_speed: float = setting(80.0, "Speed of the cleaning tower", "mm/s", 1.0, 300.0)
     support_speed: float = setting(60.0, "Speed of supports", "mm/s", 1.0, 300.0)
@@ -197,6 +198,7 @@ class PrintSettings:
 
     # Extrusion and retraction
     extrusion_multiplier: float = setting(1.0, "Factor on all extruded amounts", "", 0.5, 2.0)
+    bridge_flow: float = setting(1.0, "Factor on the amount extruded for solid fill over air", "", 0.3, 2.0)
     retract_length: float = setting(1.3, "Filament pulled back before a travel", "mm", 0.0, 10.0)
     retract_length_toolchange: float = setting(4.0, "Filament pulled back before a tool change", "mm", 0.0, 20.0)
     retract_restart_extra: float = setting(0.0, "Filament fed in addition after a travel", "mm", 0.0, 2.0)

@@ -122,6 +122,7 @@ SECTIONS = (
             "wave_speed",
             "outline_speed",
             "skin_speed",
+            "bridge_speed",
             "infill_speed",
             "tower_speed",
             "support_speed",
@@ -137,6 +138,7 @@ SECTIONS = (
         "Extrusion and Retraction",
         (
             "extrusion_multiplier",
+            "bridge_flow",
             "retract_length",
             "retract_length_toolchange",
             "retract_restart_extra",

@@ -114,7 +114,8 @@ def test_small_sparse_remnants_become_solid_unless_hollow():
 def test_hollow_and_massive():
     sliced, islands, layer = stack([square(22)] * 9)
     hollow = fill_paths(sliced, islands, layer, PrintSettings(infill_density=0))
-    assert set(hollow.layer[hollow.feature == Feature.SKIN]) == {0, 1, 2, 6, 7, 8}
+    assert set(hollow.layer[hollow.feature == Feature.SKIN]) == {0, 1, 2, 7, 8}
+    assert set(hollow.layer[hollow.feature == Feature.BRIDGE]) == {6}
     assert not (hollow.feature == Feature.INFILL).any()
     massive = fill_paths(sliced, islands, layer, PrintSettings(infill_density=100))
     assert set(massive.feature) == {Feature.INNER_WALL, Feature.SKIN}

@@ -10,14 +10,16 @@ from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths, middle_heights
 from ..toolpaths.moves import Feature, Paths
+from .bridges import Bridges, bridges, without
 from .concentric import nested
 from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
-from .parallel import Shapes
+from .parallel import Shapes, in_chunks
 from .skins import solid_and_sparse
-from .walls import boundary_paths, wall_paths, walls_and_fill
+from .walls import boundary_paths, simplified, wall_paths, walls_and_fill
 
+_SIMPLIFY_MM = 0.05  # of outlines, to see what covers what
 _LONGEST_SPARSE_LINK = 3.0  # in spacings, along the wall
 _LONGEST_SOLID_LINK = 4.0  # in line widths, along the lines; beside a boundary that they run along links would pile up
 
@@ -57,13 +59,18 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
         settings: walls, skins and fill.
 
     Returns:
-        INNER_WALL loops whose first centre line lies a line width inside the island's boundary, and SKIN and INFILL
-        lines. Islands are numbered by their place in `islands`.
+        INNER_WALL loops whose first centre line lies a line width inside the island's boundary, and SKIN, BRIDGE
+        and INFILL lines. Islands are numbered by their place in `islands`.
     """
     width = line_widths(island_layer, settings)
     walls, fill = walls_and_fill(islands, width, settings)
-    solid, sparse = solid_and_sparse(sliced, fill, island_layer, settings)
+    (outlines,) = in_chunks(lambda part: (simplified(part, _SIMPLIFY_MM),), sliced)
+    solid, sparse = solid_and_sparse(outlines, fill, island_layer, settings)
+    spanned = bridges(solid, sparse, outlines, island_layer, settings)
+    solid, sparse = without(solid, spanned), without(sparse, spanned)
     lines = [hatch_paths(planned(solid, sparse, island_layer, settings), island_layer)]
+    if len(spanned.island):
+        lines.append(hatch_paths(bridging(spanned, island_layer, settings), island_layer))
     if settings.infill_density > 0.0 and settings.infill_pattern == "gyroid":
         height = middle_heights(island_layer, settings)
         lines.append(gyroid_paths(sparse, island_layer, height, width, settings))
@@ -102,6 +109,13 @@ def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: Pri
     )
 
 
+def bridging(found: Bridges, island_layer: IntArray, settings: PrintSettings) -> Hatching:
+    """Bridges are lines side by side, each in its own direction; `bridge_flow` makes them thicker or thinner."""
+    width = line_widths(island_layer[found.island], settings)
+    feature = np.full(len(width), int(Feature.BRIDGE), dtype=np.int64)
+    return Hatching(found.regions, found.island, feature, found.angle_deg, width, settings.bridge_flow * width)
+
+
 def hatch_paths(hatching: Hatching, island_layer: IntArray) -> Paths:
     """Hatch all regions and join the lines.
 
@@ -113,7 +127,7 @@ def hatch_paths(hatching: Hatching, island_layer: IntArray) -> Paths:
     half = 0.5 * float(width.min(initial=np.inf))
     cut = crossings(hatching.regions, hatching.angle_deg, hatching.spacing_mm)
     found = spans(cut)
-    skin = hatching.feature == Feature.SKIN
+    skin = hatching.feature != Feature.INFILL
     limits = LinkLimits(
         closeness_mm=half,
         straight_mm=np.where(skin, _LONGEST_SOLID_LINK * width, np.inf),

@@ -8,16 +8,15 @@ import shapely
 from ..model import IntArray
 from ..settings import PrintSettings
 from .parallel import Shapes, in_chunks
-from .walls import offset, simplified
+from .walls import offset
 
-_SIMPLIFY_MM = 0.05
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
 _AREA_ERROR_MM2 = 0.01  # of an overlay that went right
 _SMALLEST_SPARSE_MM2 = 10.0  # a sparse remnant below this holds a line or two at best
 
 
 def solid_and_sparse(
-    sliced: Shapes, fill: Shapes, island_layer: IntArray, settings: PrintSettings
+    outlines: Shapes, fill: Shapes, island_layer: IntArray, settings: PrintSettings
 ) -> tuple[Shapes, Shapes]:
     """Divide the region to fill of every island into its skins and its sparse inside.
 
@@ -26,7 +25,7 @@ def solid_and_sparse(
     small to hold a line become solid.
 
     Args:
-        sliced: (L,) whole cross-section of each layer.
+        outlines: (L,) whole cross-section of each layer.
         fill: (I,) region to fill of each island.
         island_layer: (I,) layer of each island.
         settings: the numbers of solid layers, `infill_density` and `extrusion_width` are read.
@@ -36,7 +35,6 @@ def solid_and_sparse(
     """
     if settings.infill_density >= 100.0:
         return fill, np.full(len(fill), shapely.Polygon(), dtype=object)
-    (outlines,) = in_chunks(lambda part: (simplified(part, _SIMPLIFY_MM),), sliced)
     steps = [*range(-settings.bottom_solid_layers, 0), *range(settings.top_solid_layers, 0, -1)]
     remnant_mm2 = _SMALLEST_SPARSE_MM2 if settings.infill_density > 0.0 else 0.0
 

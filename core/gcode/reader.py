@@ -22,6 +22,7 @@ _FOREIGN = {
     "wall-outer": Feature.OUTER_WALL,
     "perimeter": Feature.INNER_WALL,
     "wall-inner": Feature.INNER_WALL,
+    "bridge infill": Feature.BRIDGE,
     "solid infill": Feature.SKIN,
     "type:skin": Feature.SKIN,
     "infill": Feature.INFILL,

@@ -26,6 +26,7 @@ class Feature(IntEnum):
     BRIM = 10
     RAFT = 11
     OOZE_SHIELD = 12
+    BRIDGE = 13
 
 
 @dataclass(frozen=True)

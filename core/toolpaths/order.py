@@ -60,7 +60,8 @@ def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
 def _ranks(settings: PrintSettings) -> IntArray:
     rank = np.zeros(len(Feature), dtype=np.int64)
     walls = [Feature.OUTER_WALL, Feature.INNER_WALL]
-    inside = [*(walls if settings.outer_wall_first else walls[::-1]), Feature.SKIN, Feature.INFILL]
+    walls = walls if settings.outer_wall_first else walls[::-1]
+    inside = [*walls, Feature.BRIDGE, Feature.SKIN, Feature.INFILL]
     for place, feature in enumerate([*inside, Feature.SUPPORT, Feature.SUPPORT_INTERFACE]):
         rank[feature] = place
     return rank

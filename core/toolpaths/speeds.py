@@ -63,6 +63,7 @@ def feature_speeds(settings: PrintSettings) -> FloatArray:
     speed = np.full(len(Feature), settings.outline_speed)
     speed[Feature.OUTER_WALL] = settings.wave_speed
     speed[Feature.SKIN] = settings.skin_speed
+    speed[Feature.BRIDGE] = settings.bridge_speed
     speed[Feature.INFILL] = settings.infill_speed
     speed[Feature.TOWER] = settings.tower_speed
     speed[[Feature.SUPPORT, Feature.SUPPORT_INTERFACE]] = settings.support_speed

@@ -1,0 +1,151 @@
+"""Skins over air that is spanned from side to side: where they are, and in which direction they are printed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..settings import PrintSettings
+from .hatch import crossings, spans
+from .parallel import Shapes, in_chunks
+from .skins import covered, remainder
+from .walls import offset
+
+_SMALLEST_MM2 = 5.0  # a strand or two hold over less by themselves
+_LEAST_HELD = 0.6  # share of a bridge whose lines are held at both ends
+_AS_GOOD = 0.02  # of that share: then the shorter lines are better
+_DIRECTIONS = 36  # that are tried, besides those of the narrowest rectangle around it
+_EDGE_MM = 0.5  # edges are held or not as a whole
+_ANCHOR = 2.5  # line widths by which a bridge reaches into what carries it, and within which walls carry it
+
+
+@dataclass(frozen=True)
+class Bridges:
+    """Skins over air, B of them.
+
+    Attributes:
+        regions: (B,) Polygon or MultiPolygon, what carries their ends included.
+        island: (B,) int64.
+        angle_deg: (B,) direction of the lines.
+    """
+
+    regions: Shapes
+    island: IntArray
+    angle_deg: FloatArray
+
+
+def bridges(
+    solid: Shapes, sparse: Shapes, outlines: Shapes, island_layer: IntArray, settings: PrintSettings
+) -> Bridges:
+    """Find the skins that nothing lies under and that two sides hold.
+
+    Args:
+        solid: (I,) skins of the islands.
+        sparse: (I,) sparse fill of the islands.
+        outlines: (L,) cross-section of each layer, simplified by a twentieth of a millimetre or less.
+        island_layer: (I,) layer of each island.
+        settings: `infill_density` and `extrusion_width` are used.
+    """
+    below = outlines if settings.infill_density > 0.0 else _walls_only(outlines, sparse, island_layer)
+    parts, island = _over_air(solid, below, island_layer, settings.extrusion_width)
+    if not len(parts):
+        return Bridges(parts, island, np.zeros(0))
+    carrying = below[island_layer[island] - 1]
+    held, angle = _directions(parts, carrying, settings.extrusion_width)
+    parts, island, angle = parts[held], island[held], angle[held]
+    grown = offset(parts, _ANCHOR * settings.extrusion_width)
+    whole = shapely.union(solid[island], sparse[island])
+    return Bridges(_apart(shapely.intersection(grown, whole), island), island, angle)
+
+
+def without(regions: Shapes, found: Bridges) -> Shapes:
+    """(I,) regions of the islands less the bridges in them."""
+    rest = regions.copy()
+    for island in np.unique(found.island):
+        bridged = shapely.union_all(found.regions[found.island == island])
+        part = shapely.intersection(rest[island : island + 1], bridged)
+        rest[island : island + 1] = remainder(rest[island : island + 1], part)
+    return rest
+
+
+def _walls_only(outlines: Shapes, sparse: Shapes, island_layer: IntArray) -> Shapes:
+    """(L,) cross-sections less the hollow inside."""
+    below = outlines.copy()
+    for layer in np.unique(island_layer[~shapely.is_empty(sparse)]):
+        below[layer] = shapely.difference(below[layer], shapely.union_all(sparse[island_layer == layer]))
+    return below
+
+
+def _over_air(solid: Shapes, below: Shapes, island_layer: IntArray, width_mm: float) -> tuple[Shapes, IntArray]:
+    """Connected parts of skins with nothing below, without narrow ones and small ones, and their islands."""
+    rows = np.flatnonzero((shapely.area(solid) >= _SMALLEST_MM2) & (island_layer > 0))
+
+    def chunk(skin: Shapes, layer: IntArray) -> tuple[Shapes]:
+        carried = covered(skin, layer, below, [-1])
+        bare = np.full(len(skin), shapely.Polygon(), dtype=object)
+        some = np.flatnonzero(carried != skin)
+        some = some[shapely.area(skin[some]) - shapely.area(carried[some]) >= _SMALLEST_MM2]
+        bare[some] = offset(offset(remainder(skin[some], carried[some]), -width_mm), width_mm)
+        return (bare,)
+
+    (bare,) = in_chunks(chunk, solid[rows], island_layer[rows])
+    parts, owner = shapely.get_parts(bare, return_index=True)
+    large = shapely.area(parts) >= _SMALLEST_MM2
+    return parts[large], rows[owner[large]].astype(np.int64)
+
+
+def _directions(parts: Shapes, carrying: Shapes, width_mm: float) -> tuple[BoolArray, FloatArray]:
+    """Which parts are held from two sides, and the direction in which most of their lines are, by the shortest way.
+
+    Args:
+        parts: (P,) Polygon.
+        carrying: (P,) cross-section below each.
+        width_mm: distance of the lines.
+    """
+    parts = shapely.segmentize(parts, _EDGE_MM)
+    held_edge = _held_edges(parts, carrying, _ANCHOR * width_mm)
+    even = np.arange(_DIRECTIONS)[:, None] * (180.0 / _DIRECTIONS) + np.zeros(len(parts))
+    along = _rectangle_angle(parts)
+    angle = np.concatenate([along[None], along[None] + 90.0, even])
+    tried = angle.size
+    cut = crossings(np.tile(parts, len(angle)), angle.ravel(), np.full(tried, width_mm))
+    found = spans(cut)
+    region = cut.region[found.left]
+    length = cut.x[found.right] - cut.x[found.left]
+    edge = cut.edge % len(held_edge)
+    held = held_edge[edge[found.left]] & held_edge[edge[found.right]]
+    whole = np.bincount(region, length, tried).reshape(angle.shape)
+    carried = np.bincount(region, length * held, tried).reshape(angle.shape)
+    longest = np.zeros(tried)
+    np.maximum.at(longest, region, length * held)
+    share = carried / np.maximum(whole, 1e-9)
+    span = np.where(share >= share.max(axis=0) - _AS_GOOD, longest.reshape(angle.shape), np.inf)
+    best = np.argmin(span, axis=0)
+    return share.max(axis=0) >= _LEAST_HELD, angle[best, np.arange(len(parts))]
+
+
+def _held_edges(parts: Shapes, carrying: Shapes, reach_mm: float) -> BoolArray:
+    """(V,) bool, whether the edge that leaves each vertex of (P,) polygons lies near what carries its polygon."""
+    vertices, part = shapely.get_coordinates(parts, return_index=True)
+    middle = (vertices + np.roll(vertices, -1, axis=0)) / 2
+    near = shapely.intersection(carrying, shapely.buffer(shapely.envelope(parts), 2 * reach_mm))
+    shapely.prepare(near)
+    return np.asarray(shapely.dwithin(near[part], shapely.points(middle), reach_mm))
+
+
+def _rectangle_angle(parts: Shapes) -> FloatArray:
+    """(P,) ° of the first side of the narrowest rectangle around each polygon."""
+    corners = shapely.get_coordinates(shapely.oriented_envelope(parts)).reshape(len(parts), 5, 2)
+    side = corners[:, 1] - corners[:, 0]
+    return np.asarray(np.degrees(np.arctan2(side[:, 1], side[:, 0])))
+
+
+def _apart(regions: Shapes, island: IntArray) -> Shapes:
+    """Regions of the same island without what an earlier one covers already."""
+    for row in np.flatnonzero(island[1:] == island[:-1]) + 1:
+        earlier = shapely.union_all(regions[:row][island[:row] == island[row]])
+        regions[row] = shapely.difference(regions[row], earlier)
+    return regions
