@@ -28,10 +28,12 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
         TextureError: a texture but no UV map.
     """
     corner_vertex, vertices = checked(model)
+    shift = -vertices[0]
     vertices = placed(vertices, settings.center_on_bed)
+    shift += vertices[0]
     check_size(vertices, model.name, settings)
     corners, polygon = triangle_corners(vertices, model.polygon_start, corner_vertex)
-    vertices, welded = _weld(vertices, _vertex_object(model, corner_vertex, len(vertices)))
+    vertices, welded = weld(vertices, _vertex_object(model, corner_vertex, len(vertices)))
     faces = welded[corner_vertex[corners]]
     a, b, c = faces.T
     proper = (a != b) & (b != c) & (c != a)
@@ -42,7 +44,9 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
     face_uv, face_texture = _painting(model, corners, polygon)
     face_tone = np.full(corners.shape, np.nan) if model.corner_tone is None else model.corner_tone[corners]
     face_object = None if model.polygon_object is None else model.polygon_object[polygon]
-    return TriangleMesh(vertices, faces, face_uv, face_tone, face_texture, face_object)
+    face_support = None if model.polygon_support is None else model.polygon_support[polygon]
+    volumes = tuple(volume.moved(shift) for volume in model.volumes)
+    return TriangleMesh(vertices, faces, face_uv, face_tone, face_texture, face_object, face_support, volumes)
 
 
 def checked(model: SurfaceModel) -> tuple[IntArray, FloatArray]:
@@ -138,7 +142,7 @@ def _vertex_object(model: SurfaceModel, corner_vertex: IntArray, count: int) -> 
     return owner
 
 
-def _weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArray, IntArray]:
+def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArray, IntArray]:
     """Merge vertices that lie at the same place and have the same owner (V,), if there are any.
 
     On each axis the sorted coordinates are cut into runs wherever two are farther apart than the tolerance; vertices

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,37 @@ class ToneImage:
     alpha: Float32Array
 
 
+class SupportMark(IntEnum):
+    """What the user wishes of the supports at a face or in a volume."""
+
+    BLOCKER = -1
+    NONE = 0
+    ENFORCER = 1
+
+
+@dataclass(frozen=True)
+class SupportVolume:
+    """A solid in whose inside overhangs get supports, or none; it is not printed.
+
+    Attributes:
+        mark: which of the two.
+        vertices: (V, 3) float64 mm, where the object is.
+        polygon_start: (P + 1,) int64, where each polygon's corners start.
+        corner_vertex: (C,) int64, vertex of each corner.
+        name: for messages.
+    """
+
+    mark: SupportMark
+    vertices: FloatArray
+    polygon_start: IntArray
+    corner_vertex: IntArray
+    name: str = "volume"
+
+    def moved(self, shift: FloatArray) -> SupportVolume:
+        """A copy moved by (3,) mm."""
+        return replace(self, vertices=self.vertices + shift)
+
+
 @dataclass(frozen=True)
 class SurfaceModel:
     """A mesh of polygons as Blender has it, placed in the world, Z up, in mm; or several on one plate.
@@ -41,6 +73,8 @@ class SurfaceModel:
         name: of the object, for headers and messages.
         object_names: of the objects on the plate, () for a single one.
         polygon_object: (P,) int64 index into `object_names`, or None for a single object.
+        polygon_support: (P,) int64, a `SupportMark` of each, or None where there is none.
+        volumes: solids that enforce or block supports.
     """
 
     vertices: FloatArray
@@ -53,6 +87,13 @@ class SurfaceModel:
     name: str = "object"
     object_names: tuple[str, ...] = ()
     polygon_object: IntArray | None = None
+    polygon_support: IntArray | None = None
+    volumes: tuple[SupportVolume, ...] = ()
+
+    def moved(self, shift: FloatArray) -> SurfaceModel:
+        """A copy moved by (3,) mm."""
+        volumes = tuple(volume.moved(shift) for volume in self.volumes)
+        return replace(self, vertices=self.vertices + shift, volumes=volumes)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -71,6 +112,8 @@ class TriangleMesh:
         face_tone: (F, 3) float64 tone of each corner from a colour attribute, NaN where there is none.
         face_texture: (F,) int64 index of the texture, -1 for none.
         face_object: (F,) int64 index of the object on the plate, or None for a single object.
+        face_support: (F,) int64, a `SupportMark` of each, or None where there is none.
+        volumes: solids that enforce or block supports, placed like the mesh.
     """
 
     vertices: FloatArray
@@ -79,6 +122,8 @@ class TriangleMesh:
     face_tone: FloatArray
     face_texture: IntArray
     face_object: IntArray | None = None
+    face_support: IntArray | None = None
+    volumes: tuple[SupportVolume, ...] = ()
 
     @property
     def bounds(self) -> FloatArray:

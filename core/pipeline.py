@@ -123,7 +123,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         inside = inside_of_wall(lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
         fill = fill_paths(cut.regions, inside, cut.polygon_layer, settings)
         yield stage(0.7, "supports")
-        holding = supports(cut, lines, depth, settings)
+        holding = supports(mesh, cut, lines, depth, settings)
         inner = Paths.joined([fill, holding.paths])
         yield stage(0.75, "toolpaths")
         moves = _moves(outlines, fill, holding, cut, settings)

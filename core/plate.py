@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -38,7 +37,7 @@ def plate(models: Sequence[SurfaceModel], settings: PrintSettings) -> SurfaceMod
         for model, vertices in zip(models, points, strict=True):
             check_size(placed(vertices, True), model.name, settings)
         shifts = arranged(points, [model.name for model in models], settings)
-        models = [replace(model, vertices=model.vertices + shift) for model, shift in zip(models, shifts, strict=True)]
+        models = [model.moved(shift) for model, shift in zip(models, shifts, strict=True)]
     return _joined(models)
 
 
@@ -63,7 +62,21 @@ def _joined(models: Sequence[SurfaceModel]) -> SurfaceModel:
         name=models[0].name,
         object_names=tuple(model.name for model in models),
         polygon_object=np.repeat(np.arange(len(models)), [len(model.polygon_texture) for model in models]),
+        polygon_support=_support(models),
+        volumes=tuple(volume for model in models for volume in model.volumes),
     )
+
+
+def _support(models: Sequence[SurfaceModel]) -> IntArray | None:
+    """(P,) the marks of all models; None if no face has one."""
+    if all(model.polygon_support is None for model in models):
+        return None
+    unmarked = (np.zeros(len(model.polygon_texture), dtype=np.int64) for model in models)
+    marks = [
+        none if model.polygon_support is None else model.polygon_support
+        for model, none in zip(models, unmarked, strict=True)
+    ]
+    return np.concatenate(marks)
 
 
 def _renumbered(model: SurfaceModel, textures: list[ToneImage]) -> IntArray:
@@ -111,6 +124,9 @@ def plate_warnings(
             found.append(f"{name} begins {above:.1f} mm above the bed: lower it, or turn on arrange or supports")
     for number in _plain(mesh, len(names)):
         found.append(f"{names[number]} has no texture and no colour attribute: it prints in one even tone")
+    marked = mesh.volumes or (mesh.face_support is not None and mesh.face_support.any())
+    if marked and not settings.support_enable:
+        found.append("support enforcers and blockers do nothing while support_enable is off")
     return found
 
 

@@ -107,9 +107,7 @@ class PrintSettings:
 
     # Walls and fill
     extrusion_width: float = setting(0.4, "Width of an extruded line", "mm", 0.2, 1.2)
-    first_layer_extrusion_width: float = setting(
-        0.4, "Width of the first layer's lines, on the bed", "mm", 0.2, 1.2
-    )
+    first_layer_extrusion_width: float = setting(0.4, "Width of the first layer's lines, on the bed", "mm", 0.2, 1.2)
     perimeters: int = setting(1, "Straight walls behind the waved outline", "", 0, 20)
     bottom_solid_layers: int = setting(3, "Solid layers at the bottom", "", 0, 100)
     top_solid_layers: int = setting(3, "Solid layers at the top", "", 0, 100)
@@ -158,6 +156,9 @@ class PrintSettings:
 
     # Supports
     support_enable: bool = setting(False, "Print supports under overhangs, each layer's in its own colour")
+    support_auto: bool = setting(
+        True, "Support all overhangs flatter than the threshold angle; else only where supports are enforced"
+    )
     support_from: str = setting(
         "everywhere", "Where supports may stand: on the bed only, or on the object too", choices=("bed", "everywhere")
     )

@@ -93,6 +93,7 @@ SECTIONS = (
         "Supports",
         (
             "support_enable",
+            "support_auto",
             "support_from",
             "support_threshold_angle",
             "support_spacing",

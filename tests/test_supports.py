@@ -26,11 +26,12 @@ TABLE_TOP = 40  # the first layer of its plate
 
 
 def held(model, settings=SETTINGS):
-    cut = slices(triangulate(model, settings), settings)
+    mesh = triangulate(model, settings)
+    cut = slices(mesh, settings)
     lines = contours(cut.outlines, cut.loop_polygon, settings)
     count = len(lines.points)
     depth, _ = modulated(lines, np.full(count, 0.5), np.zeros(count), settings)
-    return cut, supports(cut, lines, depth, settings)
+    return cut, supports(mesh, cut, lines, depth, settings)
 
 
 def heights(paths):

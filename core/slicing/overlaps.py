@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ..model import IntArray, TriangleMesh
 from .outlines import Outlines
-from .regions import boundary_loops, layer_regions, region_polygons
+from .regions import solid_regions
 
 # Objects that share less than this in a layer (mm²) only touch.
 _SMALLEST_MM2 = 0.05
@@ -27,7 +26,7 @@ def overlaps(outlines: Outlines, mesh: TriangleMesh, layers: int) -> IntArray:
         return none
     first, second = _near(mesh, int(mesh.face_object.max()) + 1)
     owner = mesh.face_object[outlines.face[outlines.start[:-1]]]
-    solid = {number: _regions(outlines.selected(owner == number), layers) for number in {*first, *second}}
+    solid = {number: solid_regions(outlines.selected(owner == number), layers) for number in {*first, *second}}
     found = []
     for one, other in zip(first, second, strict=True):
         shared = shapely.area(shapely.intersection(solid[one], solid[other])) > _SMALLEST_MM2
@@ -41,13 +40,3 @@ def _near(mesh: TriangleMesh, count: int) -> tuple[list[int], list[int]]:
     meet = (low[:, None] < high[None]).all(axis=2)
     first, second = np.nonzero(np.triu(meet & meet.T, 1))
     return first.tolist(), second.tolist()
-
-
-def _regions(outlines: Outlines, layers: int) -> NDArray[np.object_]:
-    """(L,) cross-sections of one object; where its own loops cross, what GEOS makes of them."""
-    kept, _, parent = boundary_loops(outlines)
-    polygons, polygon_layer, _ = region_polygons(kept, parent)
-    regions = layer_regions(polygons, polygon_layer, layers)
-    broken = ~shapely.is_valid(regions)
-    regions[broken] = shapely.make_valid(regions[broken])
-    return regions

@@ -128,3 +128,13 @@ def layer_regions(polygons: NDArray[np.object_], polygon_layer: IntArray, layers
         present = np.unique(polygon_layer)
         regions[present] = shapely.multipolygons(polygons, indices=np.searchsorted(present, polygon_layer))
     return regions
+
+
+def solid_regions(outlines: Outlines, layers: int) -> NDArray[np.object_]:
+    """(L,) cross-sections of a solid by the non-zero rule; where its loops cross, what GEOS makes of them."""
+    kept, _, parent = boundary_loops(outlines)
+    polygons, polygon_layer, _ = region_polygons(kept, parent)
+    regions = layer_regions(polygons, polygon_layer, layers)
+    broken = ~shapely.is_valid(regions)
+    regions[broken] = shapely.make_valid(regions[broken])
+    return regions

@@ -13,13 +13,16 @@ from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..slicing.slices import Slices
-from .overlay import areas, gathered, nothing
+from .marks import Marks
+from .overlay import areas, gathered, nothing, thickness
 
 # Outlines are simplified by this much, mm, before layers are compared.
 TOLERANCE_MM = 0.02
 # Overhangs below this area (mm²) are roundings.
 _SMALLEST_MM2 = 0.02
 _GREATEST_SLANT = 8  # a support that ends lower than this carries nothing
+# Walls that lean out by less than half of this a layer, mm, carry themselves, whatever is wished.
+_THINNEST_MM = 0.1
 
 
 @dataclass(frozen=True)
@@ -28,8 +31,9 @@ class Contacts:
 
     Attributes:
         area: (L,) where the object hangs over the support's top.
-        islands: (P,) polygons of the object that begin in the air.
-        island_layer: (P,) int64, the layer on which the support of each ends, not decreasing.
+        islands: (P,) polygons of the object that begin in the air, or that are held by the user's wish: worth a
+            support however small they are.
+        island_layer: (P,) int64, the layer on which the support of each ends.
         gap: layers of air between a support and the object.
         slant: layers by which the support of a slope may end lower, where the air beside the object takes its top.
     """
@@ -41,22 +45,45 @@ class Contacts:
     slant: int
 
 
-def contacts(cut: Slices, settings: PrintSettings) -> Contacts:
+def contacts(cut: Slices, settings: PrintSettings, wished: Marks | None = None) -> Contacts:
     """Find the overhangs of all layers.
 
     Args:
         cut: the slices.
-        settings: `support_threshold_angle`, `support_z_distance` and `layer_height` are used.
+        settings: `support_auto`, `support_threshold_angle`, `support_z_distance` and `layer_height` are used.
+        wished: where supports are enforced and blocked.
     """
     gap = round(settings.support_z_distance / settings.layer_height)
-    hanging = overhangs(cut.regions, _reach(cut.layers, settings))
-    count = len(hanging)
+    count = len(cut.regions)
+    hanging = overhangs(cut.regions, _reach(cut.layers, settings)) if settings.support_auto else nothing(count)
+    forced, forced_layer = nothing(0), np.zeros(0, dtype=np.int64)
+    if wished:
+        hanging, forced, forced_layer = _as_wished(cut.regions, hanging, wished)
     shift = gap + 1  # an overhang of layer i lies on top of layer i - 1
     area = nothing(count)
     area[: max(count - shift, 0)] = hanging[shift:]
     islands, layer = _islands(cut, hanging)
+    islands, layer = np.concatenate([islands, forced]), np.concatenate([layer, forced_layer])
     kept = layer >= shift
-    return Contacts(area, islands[kept], layer[kept] - shift, gap, gap + _slant(settings))
+    slant = _GREATEST_SLANT if len(forced) else _slant(settings)
+    return Contacts(area, islands[kept], layer[kept] - shift, gap, gap + slant)
+
+
+def _as_wished(regions: Shapes, hanging: Shapes, wished: Marks) -> tuple[Shapes, Shapes, IntArray]:
+    """(L,) the overhangs with what is enforced and without what is blocked; enforced parts (P,), layer of each (P,)."""
+    hanging = hanging.copy()
+    rows = np.flatnonzero(~shapely.is_empty(wished.enforced[1:])) + 1
+    jutting = shapely.difference(regions[rows], regions[rows - 1])
+    found = areas(shapely.intersection(jutting, wished.enforced[rows]))
+    parts, owner = shapely.get_parts(areas(shapely.difference(found, wished.blocked[rows])), return_index=True)
+    large = shapely.area(parts) > _SMALLEST_MM2
+    parts, owner = parts[large], owner[large]
+    wide = thickness(parts) > _THINNEST_MM
+    parts, owner = parts[wide], owner[wide]
+    hanging[rows] = areas(shapely.union(hanging[rows], gathered(parts, owner, len(rows))))
+    rows_blocked = np.flatnonzero(~shapely.is_empty(wished.blocked) & ~shapely.is_empty(hanging))
+    hanging[rows_blocked] = _sizeable(areas(shapely.difference(hanging[rows_blocked], wished.blocked[rows_blocked])))
+    return hanging, parts, rows[owner].astype(np.int64)
 
 
 def _reach(layers: Layers, settings: PrintSettings) -> FloatArray:

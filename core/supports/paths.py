@@ -8,13 +8,14 @@ import numpy as np
 import shapely
 
 from ..fill.parallel import Shapes
-from ..model import FloatArray
+from ..model import FloatArray, TriangleMesh
 from ..pattern.contours import Contours
 from ..settings import PrintSettings
 from ..slicing.slices import Slices
 from ..toolpaths.moves import Paths
 from .columns import columns, standing_on_bed
 from .lines import interface, support_lines
+from .marks import marks
 from .overhangs import contacts
 from .overlay import nothing
 from .room import taken_room
@@ -34,18 +35,22 @@ class Supports:
     covered: Shapes
 
 
-def supports(cut: Slices, lines: Contours, depth: FloatArray, settings: PrintSettings) -> Supports:
-    """Support all overhangs, or nothing without `support_enable`.
+def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray, settings: PrintSettings) -> Supports:
+    """Support all overhangs, as far as the user does not wish otherwise; or nothing without `support_enable`.
 
     Args:
+        mesh: what was sliced, with the user's marks.
         cut: the slices.
         lines: contours of its outlines.
         depth: (N,) mm, of the wave at each contour point.
         settings: those of supports, and the extrusion width and layer heights.
+
+    Raises:
+        MeshError: a volume that enforces or blocks supports is open.
     """
     if not settings.support_enable:
         return Supports(Paths.empty(), nothing(len(cut.regions)))
-    needed = contacts(cut, settings)
+    needed = contacts(cut, settings, marks(mesh, cut.layers.plane))
     taken = taken_room(cut, lines, depth, needed.gap, settings)
     found = columns(needed, taken)
     if settings.support_from == "bed":
