@@ -9,7 +9,9 @@ from .bridge import properties, results, scrubber
 from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
 from .operators.import_print import DUALCOLOR_OT_import_print
+from .operators.presets import OPERATORS as PRESET_OPERATORS
 from .operators.render import DUALCOLOR_OT_render_prediction
+from .panels.presets import MENUS
 from .panels.scrubber import DUALCOLOR_PT_scrubber
 from .panels.sidebar import PANELS
 
@@ -19,6 +21,8 @@ CLASSES = (
     DUALCOLOR_OT_export_x3g,
     DUALCOLOR_OT_import_print,
     DUALCOLOR_OT_render_prediction,
+    *PRESET_OPERATORS,
+    *MENUS,
     *PANELS,
     DUALCOLOR_PT_scrubber,
 )

@@ -41,7 +41,7 @@ UP = {"wingnut": "z", "distorted_a": "z", "colored_airplane": "y"}
 # The plates are printed as large as they are; all else has the height of a usual print, mm.
 HEIGHT_MM = {"gargoyle": 102.0, "kitten": 54.0, "sign_base": None, "sign_base_rounded": None, "3DBenchy": 48.0}
 USUAL_HEIGHT_MM = 80.0
-LOWER_MM = {"colored_airplane": 25.0, "branches_70": 60.0}
+LOWER_MM = {"colored_airplane": 25.0, "branches_70": 60.0, "Fox": 60.0}
 HEAD = """# X3G
 
 Made by `benchmarks/x3g.py`: meshes of others, printed at full size with {settings}. GPX 2.6.8 converts the G-code

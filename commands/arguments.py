@@ -13,8 +13,8 @@ from ..core.settings import PrintSettings
 
 def add_settings(parser: argparse.ArgumentParser) -> None:
     """Let the user choose settings by preset, by file and one by one."""
-    parser.add_argument("--preset", action="append", default=[], metavar="NAME", help="printer, filament or quality, "
-                        f"repeatable: {', '.join(preset_files())}")  # fmt: skip
+    parser.add_argument("--preset", action="append", default=[], metavar="NAME", help="printer, filament, quality or "
+                        f"pattern, repeatable: {', '.join(preset_files())}")  # fmt: skip
     parser.add_argument("--settings", type=Path, metavar="FILE", help="settings by name, as JSON, or a G-code file of "
                         "this program, to print with its settings")  # fmt: skip
     parser.add_argument("--set", action="append", default=[], type=assignment, metavar="KEY=VALUE", help="one setting, "
@@ -27,8 +27,19 @@ def chosen_settings(args: argparse.Namespace) -> PrintSettings:
     Raises:
         SettingsError: a preset is unknown, the file holds something else, or a setting does not fit.
     """
-    values = preset_values(args.preset) | (read_settings(args.settings) if args.settings is not None else {})
+    values = preset_values(args.preset, _own_presets(args.preset)) | (
+        read_settings(args.settings) if args.settings is not None else {}
+    )
     return PrintSettings().changed({**values, **dict(args.set)})
+
+
+def _own_presets(names: Sequence[str]) -> Path | None:
+    """The folder of the user's own presets, if the names are not all those of the program's."""
+    if set(names) <= set(preset_files()):
+        return None
+    from ..bridge.preset_folder import user_presets
+
+    return user_presets()
 
 
 def chosen_outputs(args: argparse.Namespace, kinds: Sequence[str]) -> dict[str, Path]:

@@ -12,19 +12,13 @@ from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3
 from ..operators.generate import DUALCOLOR_OT_generate
 from ..operators.job import JobOperator
 from ..operators.render import DUALCOLOR_OT_render_prediction
+from .presets import DUALCOLOR_PT_presets
 from .results import figures, wrapped
 from .sections import SECTIONS, TEXTURE, Section
+from .tab import ObjectPanel, Tab
 
 
-class _Tab:
-    """Where all panels of this extension are."""
-
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Dual Color"
-
-
-class DUALCOLOR_PT_main(_Tab, bpy.types.Panel):
+class DUALCOLOR_PT_main(Tab, bpy.types.Panel):
     """The object, its picture, and the buttons."""
 
     bl_label = "Dual Color"
@@ -52,22 +46,11 @@ class DUALCOLOR_PT_main(_Tab, bpy.types.Panel):
             layout.prop(obj.dualcolor, "show_print", toggle=True, icon="HIDE_OFF")
 
 
-class _ObjectPanel(_Tab):
-    """A panel that is there only for an object that can be printed."""
-
-    bl_parent_id = "DUALCOLOR_PT_main"
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        obj = source_of(context.object)
-        return obj is not None and obj.type in WITH_SURFACE
-
-
-class DUALCOLOR_PT_results(_ObjectPanel, bpy.types.Panel):
+class DUALCOLOR_PT_results(ObjectPanel, bpy.types.Panel):
     """What the last job found."""
 
     bl_label = "Results"
-    bl_order = 0
+    bl_order = 1
 
     def draw(self, context: bpy.types.Context) -> None:
         """Figures, then warnings."""
@@ -112,7 +95,7 @@ def _section_panel(section: Section, order: int) -> type[bpy.types.Panel]:
 
     return type(
         f"DUALCOLOR_PT_{section.key}",
-        (_ObjectPanel, bpy.types.Panel),
+        (ObjectPanel, bpy.types.Panel),
         {
             "__doc__": f"The settings of {section.title}.",
             "__module__": __name__,
@@ -126,6 +109,7 @@ def _section_panel(section: Section, order: int) -> type[bpy.types.Panel]:
 
 PANELS = (
     DUALCOLOR_PT_main,
-    *(_section_panel(section, order) for order, section in enumerate(SECTIONS, start=1)),
+    DUALCOLOR_PT_presets,
+    *(_section_panel(section, order) for order, section in enumerate(SECTIONS, start=2)),
     DUALCOLOR_PT_results,
 )

@@ -4,15 +4,22 @@ import json
 
 import pytest
 from dualcolor.cli import main
-from dualcolor.core.errors import SettingsError
+from dualcolor.core.errors import OutputError, SettingsError
 from dualcolor.core.exports import export_gcode
 from dualcolor.core.pipeline import generate
 from dualcolor.core.presets import (
+    KINDS,
     MOST_BYTES,
+    PRESETS,
+    agrees,
+    kind_settings,
     preset_descriptions,
     preset_files,
     preset_values,
+    read_preset,
     read_settings,
+    remove_preset,
+    save_preset,
     settings_json,
 )
 from dualcolor.core.settings import PrintSettings
@@ -25,7 +32,9 @@ CHOSEN = PrintSettings(layer_height=0.2, pattern="wave", center_on_bed=False, sk
 def test_every_preset_is_valid_and_described(name):
     values = preset_values([name])
     assert PrintSettings().changed(values).as_dict().items() >= values.items()
+    assert set(values) <= set(kind_settings(preset_files()[name].parent.name))
     assert preset_descriptions()[name]
+    assert read_preset(preset_files()[name]).label != name
     assert not preset_descriptions()[name].endswith(".")
 
 
@@ -39,6 +48,68 @@ def test_qualities_and_later_presets_count():
         preset_values(["finest"])
     with pytest.raises(SettingsError):
         preset_values(["../filament/pla"])
+
+
+def test_the_paper_is_a_preset():
+    paper = PrintSettings().changed(preset_values(["paper"]))
+    assert (paper.pattern, paper.wave_depth_max, paper.wave_depth_min, paper.offset_max) == ("wave", 0.75, 0.375, 0)
+
+
+def test_kinds_share_no_setting_and_leave_none_of_the_print_out():
+    held = [name for kind in KINDS for name in kind_settings(kind)]
+    assert len(held) == len(set(held))
+    left_out = set(PrintSettings().as_dict()) - set(held)
+    assert left_out == {"sag"}  # how the preview looks
+
+
+def test_own_presets_are_saved_found_and_removed(tmp_path):
+    wanted = PrintSettings(layer_height=0.15, perimeters=2, wavelength=1.4)
+    path = save_preset(tmp_path, "quality", " Very fine ", wanted)
+    assert path == tmp_path / "quality" / "Very fine.json"
+    assert list(preset_files(tmp_path, ("quality",))) == ["fine", "standard", "Very fine"]
+    values = preset_values(["Very fine"], tmp_path)
+    assert set(values) == set(kind_settings("quality"))
+    assert (values["layer_height"], values["perimeters"], "wavelength" in values) == (0.15, 2, False)
+    assert "Very fine" not in preset_files()
+    assert agrees(read_preset(path), wanted.as_dict())
+    assert not agrees(read_preset(path), PrintSettings().as_dict())
+    assert PrintSettings().changed(read_settings(path)).layer_height == 0.15  # --settings takes presets too
+    save_preset(tmp_path, "quality", "Very fine", PrintSettings(layer_height=0.1))
+    assert preset_values(["Very fine"], tmp_path)["layer_height"] == 0.1
+    remove_preset(tmp_path, "quality", "Very fine")
+    assert not path.exists()
+    with pytest.raises(SettingsError, match="not one of your own presets"):
+        remove_preset(tmp_path, "quality", "Very fine")
+    with pytest.raises(SettingsError, match="not one of your own presets"):
+        remove_preset(tmp_path, "quality", "fine")
+    assert (PRESETS / "quality" / "fine.json").exists()
+
+
+@pytest.mark.parametrize("name", ["", "  ", "../fine", "a/b", "a\\b", ".hidden", "x" * 80, "a\nb", "C:x"])
+def test_names_that_are_no_file_names(tmp_path, name):
+    with pytest.raises(SettingsError, match="cannot be a preset's name"):
+        save_preset(tmp_path, "quality", name, PrintSettings())
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("kind", "name"), [("quality", "fine"), ("filament", "Fine"), ("pattern", "pla")])
+def test_names_that_are_taken(tmp_path, kind, name):
+    with pytest.raises(SettingsError, match="already: choose another name"):
+        save_preset(tmp_path, kind, name, PrintSettings())
+
+
+def test_a_folder_that_cannot_be_written_to(tmp_path):
+    (tmp_path / "quality").write_text("a file where the folder should be")
+    with pytest.raises(OutputError, match="cannot be made"):
+        save_preset(tmp_path, "quality", "mine", PrintSettings())
+
+
+@pytest.mark.parametrize("text", ["{}", '{"settings": [1]}', '{"layer_height": 0.2}', "no JSON"])
+def test_a_broken_preset_is_named(tmp_path, text):
+    (tmp_path / "filament").mkdir()
+    (tmp_path / "filament" / "broken.json").write_text(text)
+    with pytest.raises(SettingsError, match="broken"):
+        preset_values(["broken"], tmp_path)
 
 
 def test_settings_survive_a_file(tmp_path):

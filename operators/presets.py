@@ -1,0 +1,179 @@
+"""Presets and settings of an object: apply, save, remove, reset, export, import."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from ..bridge import preset_folder
+from ..bridge.curves import source_of
+from ..bridge.properties import from_settings, to_settings, values_of
+from ..core.errors import PrintError
+from ..core.files import write_file
+from ..core.presets import (
+    KINDS,
+    preset_files,
+    preset_values,
+    read_preset,
+    read_settings,
+    remove_preset,
+    save_preset,
+    settings_json,
+)
+from ..core.settings import PrintSettings
+from .generate import has_printable
+
+_KIND_ITEMS = [(kind, kind.title(), "") for kind in KINDS]
+
+
+class _SettingsOperator:
+    """What operators on an object's settings have in common: `apply` does it and says in a sentence what it did."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """An object that can be printed is needed."""
+        return has_printable(cls, context)
+
+    def apply(self, group: bpy.types.PropertyGroup) -> str:
+        """Do it.
+
+        Raises:
+            PrintError: to be reported to the user; nothing has been changed.
+        """
+        raise NotImplementedError
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Do it and report."""
+        try:
+            message = self.apply(source_of(context.object).dualcolor)
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        self.report({"INFO"}, message)
+        return {"FINISHED"}
+
+
+def _change(group: bpy.types.PropertyGroup, values: dict[str, Any]) -> None:
+    """Give an object some settings, validated with its others.
+
+    Raises:
+        SettingsError: one is unknown or does not fit.
+    """
+    from_settings(group, PrintSettings().changed({**values_of(group), **values}))
+
+
+class DUALCOLOR_OT_apply_preset(_SettingsOperator, bpy.types.Operator):
+    """Take over the settings of this preset"""
+
+    bl_idname = "dualcolor.apply_preset"
+    bl_label = "Apply Preset"
+    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
+    name: bpy.props.StringProperty(name="Name", options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """What the preset is for, as the tooltip of its entry."""
+        path = preset_files(preset_folder.user_presets()).get(properties.name)
+        try:
+            return (read_preset(path).description if path else "") or cls.__doc__
+        except PrintError as problem:
+            return str(problem)
+
+    def apply(self, group: bpy.types.PropertyGroup) -> str:
+        """Change the settings that the preset names, no others."""
+        _change(group, preset_values([self.name], preset_folder.user_presets()))
+        return f"Preset {self.name}"
+
+
+class DUALCOLOR_OT_save_preset(_SettingsOperator, bpy.types.Operator):
+    """Keep the object's settings of this kind as a preset of your own, for all files"""
+
+    bl_idname = "dualcolor.save_preset"
+    bl_label = "Save Preset"
+    kind: bpy.props.EnumProperty(name="Kind", items=_KIND_ITEMS, default="quality", options={"HIDDEN"})
+    name: bpy.props.StringProperty(name="Name", default="My preset", options={"SKIP_SAVE"})
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Ask for the name."""
+        return context.window_manager.invoke_props_dialog(self)
+
+    def apply(self, group: bpy.types.PropertyGroup) -> str:
+        """Write the preset's file."""
+        path = save_preset(preset_folder.user_presets(), self.kind, self.name, to_settings(group))
+        return f"Preset {path.stem} saved"
+
+
+class DUALCOLOR_OT_remove_preset(_SettingsOperator, bpy.types.Operator):
+    """Delete the chosen preset, one of your own"""
+
+    bl_idname = "dualcolor.remove_preset"
+    bl_label = "Remove Preset"
+    kind: bpy.props.EnumProperty(name="Kind", items=_KIND_ITEMS, default="quality", options={"HIDDEN"})
+    name: bpy.props.StringProperty(name="Name", options={"HIDDEN", "SKIP_SAVE"})
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Ask first: a deleted file cannot be brought back by undo."""
+        return context.window_manager.invoke_confirm(self, event)
+
+    def apply(self, group: bpy.types.PropertyGroup) -> str:
+        """Delete the preset's file; the object keeps its settings."""
+        remove_preset(preset_folder.user_presets(), self.kind, self.name)
+        return f"Preset {self.name} removed"
+
+
+class DUALCOLOR_OT_reset_settings(_SettingsOperator, bpy.types.Operator):
+    """Give the object the defaults of all settings"""
+
+    bl_idname = "dualcolor.reset_settings"
+    bl_label = "Reset to Defaults"
+    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    def apply(self, group: bpy.types.PropertyGroup) -> str:
+        """Reset all settings; the picture stays."""
+        from_settings(group, PrintSettings())
+        return "All settings have their defaults"
+
+
+class DUALCOLOR_OT_import_settings(_SettingsOperator, ImportHelper, bpy.types.Operator):
+    """Read settings from a JSON file or from the header of a G-code file of this program"""
+
+    bl_idname = "dualcolor.import_settings"
+    bl_label = "Import Settings"
+    bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
+    filename_ext = ".json"
+    filter_glob: bpy.props.StringProperty(default="*.json;*.gcode;*.gco;*.g", options={"HIDDEN"})
+
+    def apply(self, group: bpy.types.PropertyGroup) -> str:
+        """Change the settings that the file names, no others."""
+        path = Path(bpy.path.abspath(self.filepath))
+        values = read_settings(path)
+        _change(group, values)
+        return f"{len(values)} settings from {path.name}"
+
+
+class DUALCOLOR_OT_export_settings(_SettingsOperator, ExportHelper, bpy.types.Operator):
+    """Write all settings of the object as JSON"""
+
+    bl_idname = "dualcolor.export_settings"
+    bl_label = "Export Settings"
+    filename_ext = ".json"
+    filter_glob: bpy.props.StringProperty(default="*.json", options={"HIDDEN"})
+
+    def apply(self, group: bpy.types.PropertyGroup) -> str:
+        """Write the file."""
+        path = Path(bpy.path.abspath(self.filepath))
+        write_file(path, settings_json(to_settings(group)).encode())
+        return f"{path.name} written"
+
+
+OPERATORS = (
+    DUALCOLOR_OT_apply_preset,
+    DUALCOLOR_OT_save_preset,
+    DUALCOLOR_OT_remove_preset,
+    DUALCOLOR_OT_reset_settings,
+    DUALCOLOR_OT_import_settings,
+    DUALCOLOR_OT_export_settings,
+)
