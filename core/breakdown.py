@@ -10,7 +10,6 @@ import shapely
 
 from .model import BoolArray, FloatArray, IntArray
 from .pattern.wave import WavedOutlines
-from .printer import PrinterProfile
 from .settings import PrintSettings
 from .slicing.outlines import ranges, starts
 from .slicing.planes import Layers
@@ -27,20 +26,23 @@ NOZZLE_C_PER_S = 1.5
 ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 
 
-def time_report(moves: Moves, settings: PrintSettings, single_color: float | None = None) -> dict[str, Any]:
+def time_report(
+    moves: Moves, settings: PrintSettings, single_color: float | None = None, seconds: FloatArray | None = None
+) -> dict[str, Any]:
     """All times of the report, in s.
 
     Args:
         moves: the print.
         settings: of the print.
         single_color: s that the same object takes in one colour, if known; see `single_color_seconds`.
+        seconds: (M,) `move_seconds` of the moves, if they are known.
 
     Returns:
         `total`, `tool_change` and `tower` of `print_time`; `features`, the seconds of each feature's strands, of
         `travel` and `retract` without and of `tool_change` with all that changing takes, which add up to the total;
         `heating`, which comes before the total; `single_color` and `ratio`, how many times as long ours takes.
     """
-    seconds = move_seconds(moves, settings.printer_profile)
+    seconds = move_seconds(moves, settings.printer_profile) if seconds is None else seconds
     changing = tool_change_rows(moves)
     steady = np.bincount(moves.feature[~changing], seconds[~changing], minlength=len(Feature))
     features = {feature.name.lower(): float(steady[feature]) for feature in Feature if steady[feature] > 0}
@@ -63,14 +65,6 @@ def heating_seconds(moves: Moves, settings: PrintSettings) -> float:
     hottest = max((nozzles[tool] for tool in np.unique(moves.tool)), default=0.0)
     bed = max(settings.bed_temperature - ROOM_C, 0.0) / BED_C_PER_S
     return bed + max(hottest - (settings.printer_profile.warm_up_c if bed > 0 else ROOM_C), 0.0) / NOZZLE_C_PER_S
-
-
-def progress(moves: Moves, printer: PrinterProfile) -> FloatArray:
-    """(M,) share of the print's time, 0 to 1, that has passed before each row; ascending."""
-    seconds = move_seconds(moves, printer)
-    passed = np.cumsum(seconds) - seconds
-    total = float(seconds.sum())
-    return np.asarray(np.clip(passed / total, 0.0, 1.0)) if total > 0 else passed
 
 
 def filament_report(moves: Moves, settings: PrintSettings) -> dict[str, Any]:

@@ -59,7 +59,8 @@ def check_reach(moves: Moves, printer: PrinterProfile) -> None:
     if (low < least - _ROUNDING_MM).any() or (high > most + _ROUNDING_MM).any():
         raise _out_of_reach(moves, low, high, least, most)
     bed_low, bed_high = (np.array(corner) for corner in (printer.bed_min, printer.bed_max))
-    if (moves.position.min(axis=0) < bed_low).any() or (moves.position.max(axis=0) > bed_high).any():
+    lowest, highest = bounds(moves.position)
+    if (lowest < bed_low).any() or (highest > bed_high).any():
         raise MeshError("the nozzle would travel beyond the bed", "lower z_hop or the height of the object")
 
 

@@ -22,7 +22,7 @@ def export_gcode(result: DualColorPrint, path: Path) -> DualColorPrint:
     """
     clock = StageClock()
     clock.begin("gcode")
-    text = gcode_text(result.moves, result.settings, header_lines(result.report))
+    text = gcode_text(result.moves, result.settings, header_lines(result.report), result.layer_begins)
     write_file(path, text)
     clock.stop()
     return _reported(result, clock, gcode={"bytes": len(text), "moves": text.count(b"\nG1 ")})
@@ -36,7 +36,7 @@ def export_x3g(result: DualColorPrint, path: Path) -> DualColorPrint:
     """
     clock = StageClock()
     clock.begin("x3g")
-    data = x3g_bytes(result.moves, result.settings, result.name)
+    data = x3g_bytes(result.moves, result.settings, result.name, result.layer_begins)
     write_file(path, data)
     clock.stop()
     return _reported(result, clock, x3g={"bytes": len(data)})

@@ -23,6 +23,7 @@ from .plate import object_rows, plate_warnings
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
 from .slicing.slices import Slices, slices
+from .statistics import layer_begins, move_seconds
 from .supports.paths import Supports, supports, with_supports
 from .texture.lookup import tone_at
 from .texture.pyramid import TexturePyramids, build_pyramids
@@ -49,6 +50,7 @@ class DualColorPrint:
         outlines: the waved outer wall.
         slices: of all layers.
         moves: the print in order.
+        layer_begins: see `statistics.layer_begins`.
         report: JSON-ready.
         warnings: findings that did not stop the job, one sentence each.
     """
@@ -59,6 +61,7 @@ class DualColorPrint:
     slices: Slices
     outlines: WavedOutlines
     moves: Moves
+    layer_begins: FloatArray
     report: dict[str, Any]
     warnings: list[str]
 
@@ -134,12 +137,16 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         single_color = alone.result()
     warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples)
     report = _report(model, mesh, cut, moves, settings)
-    report |= {"time_s": time_report(moves, settings, single_color), "filament": filament_report(moves, settings)}
+    seconds = move_seconds(moves, settings.printer_profile)
+    report |= {"time_s": time_report(moves, settings, single_color, seconds)}
+    report |= {"filament": filament_report(moves, settings)}
     clock.stop()
     report |= {"pattern": pattern, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
     report |= {"beside_s": clock.beside}
     report |= {"peak_rss_mb": peak_rss_mb(), "warnings": warnings}
-    return DualColorPrint(settings, model.name, mesh, cut, outlines, moves, report, warnings)
+    return DualColorPrint(
+        settings, model.name, mesh, cut, outlines, moves, layer_begins(moves, seconds), report, warnings
+    )
 
 
 def _samples(lines: Contours, projector: Projector, settings: PrintSettings) -> Samples:

@@ -77,6 +77,24 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
     return seconds
 
 
+def layer_changes(layer: IntArray) -> BoolArray:
+    """(M,) rows that begin a layer; `layer` (M,) of each row does not decrease."""
+    begins = np.ones(len(layer), dtype=bool)
+    begins[1:] = layer[1:] != layer[:-1]
+    return begins
+
+
+def layer_begins(moves: Moves, seconds: FloatArray) -> FloatArray:
+    """(L + 1,) s that have passed when each of the L layers begins that have moves, and in the end.
+
+    Args:
+        moves: the print.
+        seconds: (M,) `move_seconds` of the moves.
+    """
+    passed = np.concatenate([[0.0], np.cumsum(seconds)])
+    return np.asarray(passed[np.append(np.flatnonzero(layer_changes(moves.layer)), len(moves.layer))])
+
+
 def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
     """Filament that each tool feeds in the end, retractions balanced: `tool0_mm`, `tool1_mm`, `tool0_g`, `tool1_g`."""
     use = {}

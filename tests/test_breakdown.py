@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.breakdown import filament_report, heating_seconds, progress, single_color_moves, time_report
+from dualcolor.core.breakdown import filament_report, heating_seconds, single_color_moves, time_report
 from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics import print_time
+from dualcolor.core.statistics import layer_begins, move_seconds, print_time
 from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.tests.printing import rosette
 from dualcolor.tests.solids import cylinder
@@ -30,17 +30,16 @@ def test_parts_add_up_to_the_whole():
     assert "single_color" not in report
 
 
-def test_progress_follows_time_not_rows():
+def test_layers_begin_when_the_time_before_them_has_passed():
     moves = rosette(4, 300)
-    share = progress(moves, SETTINGS.printer_profile)
-    assert share[0] == 0
-    assert (np.diff(share) >= 0).all()
-    assert share[-1] < 1
-    # all four layers take as long, the first one without a tool change
+    seconds = move_seconds(moves, SETTINGS.printer_profile)
+    begins = layer_begins(moves, seconds)
+    assert len(begins) == 5 and begins[0] == 0
+    assert begins[-1] == pytest.approx(seconds.sum(), rel=1e-12)
     starts = np.searchsorted(moves.layer, [1, 2, 3])
-    assert np.diff(share[starts]) == pytest.approx(1 / 4, abs=0.01)
-    moves.speed[: starts[1]] /= 10  # the first half gets slow
-    assert progress(moves, SETTINGS.printer_profile)[starts[1]] > 0.8
+    assert begins[1:4] == pytest.approx([seconds[:row].sum() for row in starts], rel=1e-12)
+    # all four layers take as long, the first one without a tool change
+    assert np.diff(begins) == pytest.approx(np.full(4, begins[-1] / 4), rel=0.1)
 
 
 def test_heating_waits_for_the_bed_then_for_the_nozzles():

@@ -7,6 +7,7 @@ import pytest
 from dualcolor.core.gcode.numbers import coordinate_words, feedrate_words, filament_words
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.statistics import move_seconds
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, rosette, table
@@ -139,6 +140,17 @@ def test_tool_changes_and_progress():
     assert progress == sorted(set(progress))
     assert len(progress) == 8
     assert progress[0] > 0 and progress[-1] < 100
+
+
+def test_progress_follows_time_not_lines():
+    moves = rosette(4, 300)
+    moves.speed[: np.searchsorted(moves.layer, 2)] /= 10  # the first half gets slow
+    seconds = move_seconds(moves, PrintSettings().printer_profile)
+    share = [seconds[: np.searchsorted(moves.layer, layer)].sum() / seconds.sum() for layer in (1, 2, 3)]
+    lines = body(gcode_text(moves, PrintSettings(), []))
+    told = [int(lines[lines.index(f"; layer {layer}") + 1].removeprefix("M73 P")) for layer in (1, 2, 3)]
+    assert told == [int(part * 100) for part in share]
+    assert told[1] > 80  # of the time, while half of the lines are still to come
 
 
 def start_of(moves, settings=None):

@@ -7,7 +7,7 @@ from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import Layers
 from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.order import OrderedPaths
-from dualcolor.core.toolpaths.speeds import extrusion_speeds
+from dualcolor.core.toolpaths.speeds import chord_lengths, extrusion_speeds
 from dualcolor.tests.solids import cylinder
 
 FREE = PrintSettings(wave_speed=200.0, min_move_time=0.0, max_volumetric_speed=0.0, first_layer_speed=300.0)
@@ -29,6 +29,10 @@ def wall(points, layer=1, feature=Feature.OUTER_WALL, width=0.4):
     )
 
 
+def speeds(paths, settings):
+    return extrusion_speeds(paths, stack(), chord_lengths(paths), settings)
+
+
 def circle(radius, chords, turn=2 * np.pi):
     angle = np.linspace(0, turn, chords + 1)
     return radius * np.column_stack([np.cos(angle), np.sin(angle)])
@@ -36,25 +40,25 @@ def circle(radius, chords, turn=2 * np.pi):
 
 @pytest.mark.parametrize("radius", [0.15, 0.4, 2.0])
 def test_a_circle_takes_all_of_the_acceleration(radius):
-    speed = extrusion_speeds(wall(circle(radius, 64)), stack(), FREE)[:-1]
+    speed = speeds(wall(circle(radius, 64)), FREE)[:-1]
     assert speed == pytest.approx(np.sqrt(1000 * radius), abs=1.01)
     assert (speed**2 / radius <= 1000 * 1.001).all()
 
 
 def test_a_straight_line_and_a_corner_between_long_lines_are_left_alone():
-    assert (extrusion_speeds(wall([[0, 0], [1, 0], [9, 0]]), stack(), FREE)[:-1] == 200).all()
+    assert (speeds(wall([[0, 0], [1, 0], [9, 0]]), FREE)[:-1] == 200).all()
     # the turn of 90° over 100 mm counts as a radius of 64 mm; the firmware slows down in the corner itself
-    assert (extrusion_speeds(wall([[0, 0], [100, 0], [100, 100]]), stack(), FREE)[:-1] == 200).all()
+    assert (speeds(wall([[0, 0], [100, 0], [100, 100]]), FREE)[:-1] == 200).all()
 
 
 def test_half_a_queue_of_short_moves_takes_its_time():
     short = np.column_stack([np.arange(41) * 0.1, np.zeros(41)])
     settings = FREE.changed({"min_move_time": 10})
-    assert extrusion_speeds(wall(short), stack(), settings)[:-1] == pytest.approx(10.0)
+    assert speeds(wall(short), settings)[:-1] == pytest.approx(10.0)
     # one short chord between long ones starves nobody, and many chords of 2.5 mm are long enough at 200 mm/s
     lone = np.column_stack([np.cumsum([0, 5, 5, 0.05, 5, 5]), np.zeros(6)])
-    assert (extrusion_speeds(wall(lone), stack(), settings)[:-1] == 200).all()
-    assert (extrusion_speeds(wall(short * 25), stack(), settings)[:-1] == 200).all()
+    assert (speeds(wall(lone), settings)[:-1] == 200).all()
+    assert (speeds(wall(short * 25), settings)[:-1] == 200).all()
 
 
 def test_paths_do_not_see_each_other():
@@ -67,23 +71,23 @@ def test_paths_do_not_see_each_other():
         feature=np.full(2, int(Feature.OUTER_WALL)),
     )
     settings = FREE.changed({"min_move_time": 10})
-    speed = extrusion_speeds(both, stack(), settings)
+    speed = speeds(both, settings)
     assert speed[len(fine)] == 200
-    assert (speed[: len(fine) - 1] == extrusion_speeds(wall(fine), stack(), settings)[:-1]).all()
+    assert (speed[: len(fine) - 1] == speeds(wall(fine), settings)[:-1]).all()
 
 
 def test_no_more_plastic_than_melts():
     settings = FREE.changed({"max_volumetric_speed": 8, "extrusion_multiplier": 1.25})
-    speed = extrusion_speeds(wall([[0, 0], [50, 0]], width=0.8), stack(), settings)[0]
+    speed = speeds(wall([[0, 0], [50, 0]], width=0.8), settings)[0]
     assert speed == 32  # 8 / (0.8 · 0.25 · 1.25)
 
 
 def test_first_layer_and_features():
     line = [[0, 0], [50, 0]]
     settings = PrintSettings(first_layer_speed=20, infill_speed=70, outline_speed=35)
-    assert extrusion_speeds(wall(line, layer=0), stack(), settings)[0] == 20
-    assert extrusion_speeds(wall(line, feature=Feature.INFILL), stack(), settings)[0] == 70
-    assert extrusion_speeds(wall(line, feature=Feature.INNER_WALL), stack(), settings)[0] == 35
+    assert speeds(wall(line, layer=0), settings)[0] == 20
+    assert speeds(wall(line, feature=Feature.INFILL), settings)[0] == 70
+    assert speeds(wall(line, feature=Feature.INNER_WALL), settings)[0] == 35
 
 
 def test_waved_wall_of_a_print_keeps_the_rate_and_the_acceleration():

@@ -11,6 +11,7 @@ from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.supports.lines import SUPPORT_ISLAND
 from dualcolor.core.supports.paths import supports
+from dualcolor.core.toolpaths.loops import Turn
 from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.tests.fill_shapes import lines_of
@@ -142,8 +143,8 @@ def test_order_is_tower_then_supports_then_part():
         row = [np.zeros(1, dtype=np.int64), np.full(1, int(feature)), np.full(1, island)]
         return Paths(square, np.array([0, 4]), *row, np.ones(1, dtype=bool), np.full(4, WIDTH))
 
-    table = [one(Feature.OUTER_WALL, 0), one(Feature.SUPPORT_INTERFACE, -3), one(Feature.SUPPORT, -3)]
-    table += [one(Feature.TOWER, -1), one(Feature.SKIRT, -2)]
+    table = [one(Feature.OUTER_WALL, 0), one(Feature.SUPPORT_INTERFACE, SUPPORT_ISLAND)]
+    table += [one(Feature.SUPPORT, SUPPORT_ISLAND), one(Feature.TOWER, Turn.TOWER), one(Feature.SKIRT, Turn.SKIRT)]
     order = ordered(Paths.joined(table), PrintSettings()).feature.tolist()
     wanted = [Feature.SKIRT, Feature.TOWER, Feature.SUPPORT, Feature.SUPPORT_INTERFACE, Feature.OUTER_WALL]
     assert order == [int(feature) for feature in wanted]

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..breakdown import progress
-from ..model import BoolArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
+from ..pattern.chunks import in_chunks
 from ..printer import PrinterProfile
 from ..settings import PrintSettings
+from ..statistics import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Feature, Moves
 from .numbers import COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
@@ -57,7 +60,7 @@ class Program:
     end: list[str]
 
 
-def program(moves: Moves, settings: PrintSettings) -> Program:
+def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = None) -> Program:
     """Round the moves to the numbers of the file and put the commands around them.
 
     Moves that would change no number of the line before (shorter than the file's resolution) get no line. A tool
@@ -66,6 +69,7 @@ def program(moves: Moves, settings: PrintSettings) -> Program:
     Args:
         moves: the print, at least one row.
         settings: of the print.
+        begins: `statistics.layer_begins` of the moves, if they are known.
 
     Raises:
         ValueError: no moves, or numbers that are not finite or too large for the file.
@@ -75,7 +79,8 @@ def program(moves: Moves, settings: PrintSettings) -> Program:
     counters, steps = _filament_steps(moves, start.counters)
     printer = settings.printer_profile
     lines, kept_before = _lines(moves, steps, printer)
-    places, insertions = _insertions(moves, kept_before, printer)
+    begins = layer_begins(moves, move_seconds(moves, printer)) if begins is None else begins
+    places, insertions = _insertions(moves, kept_before, begins, printer)
     last_tool = int(moves.tool[-1])
     return Program(start.lines, lines, places, insertions, end_sequence(settings, last_tool, counters[last_tool]))
 
@@ -126,45 +131,72 @@ def _after_break(tool: IntArray) -> BoolArray:
 def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Lines, IntArray]:
     """The lines to write, and (M,) how many of them stand before each row."""
     fresh = _after_break(moves.tool)
-    thousandths = np.rint(moves.position * 1000).astype(np.int64)
-    written = np.repeat(fresh[:, None], 3, axis=1)
-    written[1:] |= thousandths[1:] != thousandths[:-1]
-    feeds = moves.filament != 0
-    kept = written.any(axis=1) | feeds
-    kept_before = np.cumsum(kept) - kept
     top_speed = printer.max_speed_mm_s[0]
-    feedrate = np.rint(np.minimum(moves.speed, top_speed) * 60).astype(np.int64).clip(1, FEEDRATE_LIMIT - 1)[kept]
-    changed = fresh[kept]
+
+    def chunk(row: IntArray) -> tuple[NDArray[Any], ...]:
+        """The columns of some rows that follow each other, and which of them are kept."""
+        here = slice(int(row[0]), int(row[-1]) + 1)
+        thousandths = np.rint(moves.position[max(here.start - 1, 0) : here.stop] * 1000).astype(np.int64)
+        written = np.repeat(fresh[here, None], 3, axis=1)
+        # The first row of all has none before it; it is fresh anyway.
+        written[max(1 - here.start, 0) :] |= thousandths[1:] != thousandths[:-1]
+        thousandths = thousandths[-len(row) :]
+        feeds = moves.filament[here] != 0
+        feedrate = np.rint(np.minimum(moves.speed[here], top_speed) * 60).astype(np.int64).clip(1, FEEDRATE_LIMIT - 1)
+        kept = written[:, 0] | written[:, 1] | written[:, 2] | feeds
+        return thousandths, written, feeds, feedrate, kept
+
+    *columns, kept = in_chunks(chunk, np.arange(len(moves.tool)))
+    columns += [steps, moves.tool, fresh.copy()]
+    if not kept.all():
+        columns = [column[kept] for column in columns]
+    thousandths, written, feeds, feedrate, steps, tool, changed = columns
     changed[1:] |= feedrate[1:] != feedrate[:-1]
-    lines = Lines(thousandths[kept], written[kept], steps[kept], feeds[kept], moves.tool[kept], feedrate, changed)
-    return lines, kept_before
+    return Lines(thousandths, written, steps, feeds, tool, feedrate, changed), np.cumsum(kept) - kept
 
 
-def _insertions(moves: Moves, kept_before: IntArray, printer: PrinterProfile) -> tuple[IntArray, list[list[str]]]:
+def _insertions(
+    moves: Moves, kept_before: IntArray, begins: FloatArray, printer: PrinterProfile
+) -> tuple[IntArray, list[list[str]]]:
     """What stands between the lines: comments at layers and features, the progress at each layer, the tool changes.
+
+    Args:
+        moves: the print.
+        kept_before: (M,) how many lines stand before each row.
+        begins: s that pass before each layer, and the total.
+        printer: that it is for.
 
     Returns:
         (I,) int64 the line before which each insertion stands, ascending, and their lines.
     """
-    layer_starts = np.ones(len(moves.layer), dtype=bool)
-    layer_starts[1:] = moves.layer[1:] != moves.layer[:-1]
+    layer_starts = layer_changes(moves.layer)
     tool_starts = _after_break(moves.tool)
     tool_starts[0] = False
     feature_starts = _feature_starts(moves)
     rows = np.flatnonzero(layer_starts | tool_starts | feature_starts)
-    passed = (progress(moves, printer) * 100).astype(np.int64).clip(0, 99)[rows]
+    percents = iter(_percents(begins))
     insertions = []
     shown = 0
-    for row, percent in zip(rows.tolist(), passed.tolist(), strict=True):
-        lines = [f"; layer {moves.layer[row]}"] if layer_starts[row] else []
-        if layer_starts[row] and percent > shown:
-            lines.append(f"M73 P{percent}")
-            shown = percent
+    for row in rows.tolist():
+        lines = []
+        if layer_starts[row]:
+            lines.append(f"; layer {moves.layer[row]}")
+            percent = next(percents)
+            if percent > shown:
+                lines.append(f"M73 P{percent}")
+                shown = percent
         lines += tool_change_lines(int(moves.tool[row]), printer) if tool_starts[row] else []
         if feature_starts[row]:
             lines.append("; " + Feature(moves.feature[row]).name.lower().replace("_", " "))
         insertions.append(lines)
     return kept_before[rows], insertions
+
+
+def _percents(begins: FloatArray) -> list[int]:
+    """The share of the time that has passed when each layer begins; a print is never done before its end."""
+    share = begins[:-1] / begins[-1] if begins[-1] > 0 else begins[:-1]
+    percents: list[int] = (share * 100).astype(np.int64).clip(0, 99).tolist()
+    return percents
 
 
 def _feature_starts(moves: Moves) -> BoolArray:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
-from ..model import IntArray
+from ..model import FloatArray, IntArray
+from ..pattern.chunks import in_threads
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 from .numbers import WordArray, coordinate_words, feedrate_words, filament_words, word
@@ -14,20 +17,23 @@ _CHUNK_ROWS = 1 << 15  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900
 _LINE_WORDS = 18
 _G1_X, _G1, _Y, _Z, _F, _NEWLINE = (word(text) for text in ("G1 X", "G1", " Y", " Z", " F", "\n"))
+_MARK = 1  # after a line that something else follows
+_NEWLINE_AND_MARK = word("\n\1")
 
 
-def gcode_text(moves: Moves, settings: PrintSettings, header: list[str]) -> bytes:
+def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None) -> bytes:
     """The whole file: header, start sequence, one `G1` a move, tool changes, end sequence; see `program`.
 
     Args:
         moves: the print, at least one row.
         settings: of the print; they are written into the header.
         header: more lines for the header, without a comment sign, such as "layers = 408".
+        begins: `statistics.layer_begins` of the moves, if they are known.
 
     Raises:
         ValueError: no moves, or numbers that are not finite or too large for the file.
     """
-    told = program(moves, settings)
+    told = program(moves, settings, begins)
     axes = np.array([word(f" {axis}") for axis in settings.printer_profile.tool_axes], dtype=np.uint32)
     body = _body(told.lines, axes, told.places, [_joined(lines) for lines in told.insertions])
     return b"".join([_joined(_header_lines(settings, header) + told.start), *body, _joined(told.end)])
@@ -36,17 +42,24 @@ def gcode_text(moves: Moves, settings: PrintSettings, header: list[str]) -> byte
 def _body(lines: Lines, axes: WordArray, places: IntArray, texts: list[bytes]) -> list[bytes]:
     """The lines as text with the other texts between them, in pieces."""
     count = len(lines.tool)
-    text = b"".join(_rendered(lines, axes, slice(row, row + _CHUNK_ROWS)) for row in range(0, count, _CHUNK_ROWS))
-    line_ends = np.flatnonzero(np.frombuffer(text, dtype=np.uint8) == ord("\n")) + 1
-    offsets = np.concatenate([[0], line_ends])[places].tolist()
-    pieces = [text[: offsets[0]]]
-    for insertion, begin, end in zip(texts, offsets, [*offsets[1:], len(text)], strict=True):
-        pieces += [insertion, text[begin:end]]
+    distinct, first = np.unique(places, return_index=True)
+    begin_end = pairwise([*first.tolist(), len(texts)])
+    inserted = [b"".join(texts[begin:end]) for begin, end in begin_end]
+    newline = np.full(count, _NEWLINE)
+    newline[distinct[distinct > 0] - 1] = _NEWLINE_AND_MARK
+    chunks = [slice(row, row + _CHUNK_ROWS) for row in range(0, count, _CHUNK_ROWS)]
+    rendered = in_threads(lambda rows: _rendered(lines, axes, newline, rows), chunks)
+    waiting = iter(inserted)
+    pieces = [next(waiting)] if len(distinct) and distinct[0] == 0 else []
+    for first_piece, *others in rendered:
+        pieces.append(first_piece)
+        for piece in others:
+            pieces += [next(waiting), piece]
     return pieces
 
 
-def _rendered(lines: Lines, axes: WordArray, rows: slice) -> bytes:
-    """Some lines as text: a row of words each, zero bytes deleted."""
+def _rendered(lines: Lines, axes: WordArray, newline: WordArray, rows: slice) -> list[bytes]:
+    """Some lines as text, cut at the marks: a row of words each, zero bytes deleted."""
     written = lines.written[rows]
     words = np.zeros((len(written), _LINE_WORDS), dtype=np.uint32)
     words[:, 0] = np.where(written[:, 0], _G1_X, _G1)
@@ -62,8 +75,12 @@ def _rendered(lines: Lines, axes: WordArray, rows: slice) -> bytes:
     named = np.flatnonzero(lines.hastens[rows])
     words[named, 14] = _F
     words[named, 15], words[named, 16] = feedrate_words(lines.feedrate[rows][named])
-    words[:, 17] = _NEWLINE
-    return words.tobytes().translate(None, b"\0")
+    words[:, 17] = newline[rows]
+    signs = words.reshape(-1).view(np.uint8)
+    signs = signs[signs != 0]
+    marks = np.flatnonzero(signs == _MARK)
+    ends = [*marks.tolist(), len(signs)]
+    return [signs[begin:end].tobytes() for begin, end in zip([0, *(marks + 1).tolist()], ends, strict=True)]
 
 
 def _header_lines(settings: PrintSettings, header: list[str]) -> list[str]:

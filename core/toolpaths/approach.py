@@ -8,6 +8,7 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
+from ..slicing.outlines import sums
 from ..slicing.planes import Layers
 from .moves import Feature, Moves
 from .order import OrderedPaths
@@ -53,12 +54,13 @@ class Approach:
         return np.asarray(self.pulls + np.where(self.changes, 4, travel), dtype=np.int64)
 
 
-def approaches(paths: OrderedPaths, tool: IntArray, settings: PrintSettings) -> Approach:
+def approaches(paths: OrderedPaths, tool: IntArray, length: FloatArray, settings: PrintSettings) -> Approach:
     """Decide how each of K paths is reached.
 
     Args:
         paths: in printing order.
         tool: (K,) that prints each.
+        length: (N,) mm from each point to the next of its path.
         settings: retract_before_travel, wipe and z_hop are used.
     """
     begin, end = paths.points[paths.start[:-1]], paths.points[paths.start[1:] - 1]
@@ -72,13 +74,19 @@ def approaches(paths: OrderedPaths, tool: IntArray, settings: PrintSettings) -> 
     retracts[:1] = False
     wipe = np.zeros(len(begin))
     least = np.where(paths.feature[:-1] == Feature.TOWER, TOWER_WIPE_MM, 0.0)
-    wipe[1:] = np.minimum(np.maximum(least, settings.wipe), _path_lengths(paths)[:-1])
+    wipe[1:] = np.minimum(np.maximum(least, settings.wipe), sums(length, paths.start)[:-1])
     wipe[~(changes | retracts) | (wipe < _LEAST_WIPE_MM)] = 0.0
     return Approach(changes, retracts, (distance > TOUCHING) | rises, wipe, settings.z_hop > 0)
 
 
 def fill_approaches(
-    table: Moves, paths: OrderedPaths, layers: Layers, first: IntArray, approach: Approach, settings: PrintSettings
+    table: Moves,
+    paths: OrderedPaths,
+    layers: Layers,
+    first: IntArray,
+    approach: Approach,
+    length: FloatArray,
+    settings: PrintSettings,
 ) -> None:
     """Write the moves before each path, in place.
 
@@ -88,10 +96,11 @@ def fill_approaches(
         layers: the stack.
         first: (K,) row at which each path's approach begins.
         approach: how each path is reached.
+        length: (N,) mm from each point to the next of its path.
         settings: lengths and speeds of retraction, lifts.
     """
     first_point = np.column_stack([paths.points[paths.start[:-1]], layers.top[paths.layer]])
-    left = _pull_back(table, paths, layers, first, approach, settings)
+    left = _pull_back(table, paths, layers, first, approach, length, settings)
 
     def prime(rows: IntArray, chosen: IntArray, amount: float) -> None:
         table.position[rows] = first_point[chosen]
@@ -123,19 +132,27 @@ def fill_approaches(
 
 
 def _pull_back(
-    table: Moves, paths: OrderedPaths, layers: Layers, first: IntArray, approach: Approach, settings: PrintSettings
+    table: Moves,
+    paths: OrderedPaths,
+    layers: Layers,
+    first: IntArray,
+    approach: Approach,
+    length: FloatArray,
+    settings: PrintSettings,
 ) -> FloatArray:
     """Write the moves that pull the filament back; returns (K, 3) mm, where the nozzle then is."""
     left = np.zeros((len(first), 3))
     left[1:] = np.column_stack([paths.points[paths.start[1:] - 1], layers.top[paths.layer]])[:-1]
     amount = np.where(approach.changes, settings.retract_length_toolchange, settings.retract_length)
     pulls = approach.pulls
+    arc = _arcs(paths, length)
     for step in range(int(pulls.max(initial=0))):
         chosen = np.flatnonzero(pulls > step)
         row = first[chosen] + step
         before = left[chosen].copy()
         wipes = approach.wipe[chosen] > 0
-        left[chosen[wipes], :2] = _along(paths, chosen[wipes], approach.wipe[chosen[wipes]] * (step + 1) / _WIPE_MOVES)
+        way = approach.wipe[chosen[wipes]] * (step + 1) / _WIPE_MOVES
+        left[chosen[wipes], :2] = _along(paths, arc, chosen[wipes], way)
         pulled = amount[chosen] / pulls[chosen]
         way = np.hypot(*(left[chosen] - before)[:, :2].T)
         seconds = np.maximum(pulled / settings.retract_speed, way / settings.travel_speed)
@@ -149,27 +166,22 @@ def _pull_back(
     return left
 
 
-def _along(paths: OrderedPaths, chosen: IntArray, way: FloatArray) -> FloatArray:
+def _along(paths: OrderedPaths, arc: FloatArray, chosen: IntArray, way: FloatArray) -> FloatArray:
     """(C, 2) mm, the places a way beyond the end of the paths before the chosen ones.
 
     Beyond the end of a closed path is its beginning once more; an open one is gone back.
     """
-    arc = _arcs(paths)
     begin, end = paths.start[chosen - 1], paths.start[chosen] - 1
     closed = (np.abs(paths.points[begin] - paths.points[end]) < TOUCHING).all(axis=1)
     place = np.where(closed, arc[begin] + way, arc[end] - way)
-    return np.column_stack([np.interp(place, arc, paths.points[:, axis]) for axis in (0, 1)])
+    after = np.clip(np.searchsorted(arc, place, side="right"), 1, len(arc) - 1)
+    near, far = paths.points[after - 1], paths.points[after]
+    slope = (far - near) / np.maximum(arc[after] - arc[after - 1], TOUCHING**2)[:, None]
+    return np.asarray(near + slope * (place - arc[after - 1])[:, None])
 
 
-def _arcs(paths: OrderedPaths) -> FloatArray:
+def _arcs(paths: OrderedPaths, length: FloatArray) -> FloatArray:
     """(N,) mm along all paths one after the other, 1 mm between each and the next."""
-    step = np.diff(paths.points, axis=0)
-    length = np.sqrt(np.einsum("ij,ij->i", step, step))
-    length[paths.start[1:-1] - 1] = 1.0
-    return np.concatenate([[0.0], np.cumsum(length)])
-
-
-def _path_lengths(paths: OrderedPaths) -> FloatArray:
-    """(K,) mm."""
-    arc = _arcs(paths)
-    return np.asarray(arc[paths.start[1:] - 1] - arc[paths.start[:-1]])
+    step = length[:-1].copy()
+    step[paths.start[1:-1] - 1] = 1.0
+    return np.concatenate([[0.0], np.cumsum(step)])

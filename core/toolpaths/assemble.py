@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import TypeVar
 
-from ..model import IntArray
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import starts
+from ..slicing.outlines import ranges, starts
 from ..slicing.planes import Layers
 from .approach import approaches, fill_approaches
 from .moves import Feature, Moves
 from .order import OrderedPaths
-from .speeds import extrusion_speeds
+from .speeds import chord_lengths, extrusion_speeds
+
+Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def assemble(paths: OrderedPaths, layers: Layers, settings: PrintSettings, single_color: bool = False) -> Moves:
@@ -27,12 +32,10 @@ def assemble(paths: OrderedPaths, layers: Layers, settings: PrintSettings, singl
         single_color: print all layers with tool 0, for comparison.
     """
     tool = np.zeros_like(paths.layer) if single_color else tool_of_layer(paths.layer, settings)
-    approach = approaches(paths, tool, settings)
-    count = np.diff(paths.start)
-    # A path of n points has n - 1 extruding moves after its approach.
-    first_row = starts(approach.rows + count - 1)
-    table = _extrusions(paths, tool, layers, first_row, settings)
-    fill_approaches(table, paths, layers, first_row[:-1], approach, settings)
+    length = chord_lengths(paths)
+    approach = approaches(paths, tool, length, settings)
+    table, first_row = _extrusions(paths, tool, layers, approach.rows, length, settings)
+    fill_approaches(table, paths, layers, first_row, approach, length, settings)
     return table
 
 
@@ -43,32 +46,51 @@ def tool_of_layer(layer: IntArray, settings: PrintSettings) -> IntArray:
 
 
 def _extrusions(
-    paths: OrderedPaths, tool_of_path: IntArray, layers: Layers, first_row: IntArray, settings: PrintSettings
-) -> Moves:
-    """The table with all extruding rows filled in; approach rows are travels that do not move yet."""
-    total = int(first_row[-1])
-    path = np.repeat(np.arange(len(paths.layer)), np.diff(first_row))
-    row_in_path = np.arange(total) - first_row[path]
+    paths: OrderedPaths, tool: IntArray, layers: Layers, approach: IntArray, length: FloatArray, settings: PrintSettings
+) -> tuple[Moves, IntArray]:
+    """The table with all extruding rows filled in, and (K,) the row at which each path's approach begins.
+
+    Args:
+        paths: K, in printing order.
+        tool: (K,) that prints each.
+        layers: the stack.
+        approach: (K,) rows before each path's first extrusion; here they are travels to its first point.
+        length: (N,) mm, from each point to the next.
+        settings: of the print.
+    """
     count = np.diff(paths.start)
-    step = row_in_path - (np.diff(first_row) - (count - 1))[path]
-    extrudes = step >= 0
-    tail = paths.start[path] + np.maximum(step, 0)
-    point = np.where(extrudes, tail + 1, paths.start[path])
-    layer = paths.layer[path]
-    tool = tool_of_path[path]
-    width = np.where(extrudes, paths.width[tail], 0.0)
-    height = np.where(extrudes, layers.height[layer], 0.0)
-    along = np.diff(paths.points, axis=0)
-    length = np.where(extrudes, np.append(np.hypot(along[:, 0], along[:, 1]), 0.0)[tail], 0.0)
+    # A path of n points has n - 1 extruding moves after its approach.
+    rows = approach + count - 1
+    first_row = starts(rows)
+    total = int(first_row[-1])
+    extrudes = np.ones(total, dtype=bool)
+    extrudes[ranges(first_row[:-1], approach)] = False
+    heads, tails = np.ones((2, len(paths.points)), dtype=bool)
+    heads[paths.start[:-1]] = False
+    tails[paths.start[1:] - 1] = False
+
+    def of_rows(values: NDArray[Scalar], beside: float = 0.0) -> NDArray[Scalar]:
+        """(total,) values of the lines that leave the points, something else in the approaches."""
+        column = np.full(total, beside, dtype=values.dtype)
+        column[extrudes] = values[tails]
+        return column
+
+    position = np.empty((total, 3))
+    position[~extrudes, :2] = np.repeat(paths.points[paths.start[:-1]], approach, axis=0)
+    position[extrudes, :2] = paths.points[heads]
+    position[:, 2] = np.repeat(layers.top[paths.layer], rows)
     diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    filament = length * width * height * settings.extrusion_multiplier / (np.pi / 4 * diameter**2)
-    return Moves(
-        position=np.column_stack([paths.points[point], layers.top[layer]]),
-        tool=tool,
-        feature=np.where(extrudes, paths.feature[path], int(Feature.TRAVEL)),
-        layer=layer,
-        width=width,
-        height=height,
-        speed=np.where(extrudes, extrusion_speeds(paths, layers, settings)[tail], settings.travel_speed),
-        filament=filament,
+    section = np.repeat(np.pi / 4 * diameter**2, count)
+    height = np.repeat(layers.height[paths.layer], count)
+    filament = length * paths.width * height * settings.extrusion_multiplier / section
+    table = Moves(
+        position=position,
+        tool=np.repeat(tool, rows),
+        feature=of_rows(np.repeat(paths.feature, count), int(Feature.TRAVEL)),
+        layer=np.repeat(paths.layer, rows),
+        width=of_rows(paths.width),
+        height=of_rows(height),
+        speed=of_rows(extrusion_speeds(paths, layers, length, settings), settings.travel_speed),
+        filament=of_rows(filament),
     )
+    return table, first_row[:-1]

@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
 from .moves import Feature, Paths
 from .seams import seam_offsets
+
+# Paths that are looked at one by one; more of them at once.
+_MANY = 64
 
 
 @dataclass(frozen=True)
@@ -40,21 +44,100 @@ def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
         settings: seam_position and outer_wall_first are used.
     """
     offset = seam_offsets(paths, settings)
-    count = np.diff(paths.start)
     first = paths.start[:-1] + offset
     last = np.where(paths.closed, first, paths.start[1:] - 1)
-    begin, end = _complex(paths.points[first]), _complex(paths.points[last])
+    walk = _Walk(_complex(paths.points[first]), _complex(paths.points[last]))
     rank = _ranks(settings)[paths.feature]
-    # What is not the part carries negative islands: it comes first so that a nozzle is primed before it meets the part.
     order = np.lexsort((rank, paths.island, paths.layer))
-    bounds = starts(np.bincount(paths.layer, minlength=int(paths.layer.max(initial=-1)) + 1))
-    sequence: list[int] = []
-    flipped = np.zeros(len(count), dtype=bool)
-    position = 0j
-    for layer in range(len(bounds) - 1):
-        members = order[bounds[layer] : bounds[layer + 1]]
-        position = _order_layer(members, paths, begin, end, rank, position, sequence, flipped)
-    return _laid_out(paths, np.array(sequence, dtype=np.int64), offset, flipped)
+    key = np.stack([paths.layer, paths.island, rank])[:, order]
+    cuts = np.flatnonzero((np.diff(key, axis=1) != 0).any(axis=0)) + 1
+    begin = np.concatenate([[0], cuts]).astype(np.int64)[: len(order)]
+    members = order.tolist()
+    layers: dict[int, dict[int, list[list[int]]]] = {}
+    ends = [*begin[1:].tolist(), len(members)]
+    for layer, island, low, high in zip(
+        key[0, begin].tolist(), key[1, begin].tolist(), begin.tolist(), ends, strict=True
+    ):
+        layers.setdefault(layer, {}).setdefault(island, []).append(members[low:high])
+    for islands in layers.values():
+        walk.print_layer(islands)
+    flipped = np.zeros(len(order), dtype=bool)
+    flipped[walk.flipped] = True
+    return _laid_out(paths, np.array(walk.sequence, dtype=np.int64), offset, flipped)
+
+
+class _Walk:
+    """The way of the nozzle from path to path.
+
+    Attributes:
+        sequence: the paths printed so far.
+        flipped: those of them that were printed from their end to their beginning.
+    """
+
+    def __init__(self, begin: NDArray[np.complex128], end: NDArray[np.complex128]) -> None:
+        """(K,) places where the paths begin and end, x + iy in mm; the same for closed ones."""
+        self._begin, self._end = begin, end
+        # Most choices are between a handful of paths, which plain numbers make faster than arrays.
+        self._begins: list[complex] = begin.tolist()
+        self._ends: list[complex] = end.tolist()
+        self._place = 0j
+        self.sequence: list[int] = []
+        self.flipped: list[int] = []
+
+    def print_layer(self, islands: dict[int, list[list[int]]]) -> None:
+        """Visit the islands of a layer: those around the part in the order of their numbers, then the nearest next.
+
+        Args:
+            islands: by number, in ascending order, the runs of paths that are printed one after the other.
+        """
+        # What is not the part carries negative islands: a nozzle is primed before it meets the part.
+        waiting = []
+        for island, runs in islands.items():
+            if island < 0:
+                self._print_island(runs)
+            else:
+                waiting.append(runs)
+        entries = [self._begins[runs[0][0]] for runs in waiting]
+        while waiting:
+            away = [abs(entry - self._place) for entry in entries]
+            nearest = away.index(min(away))
+            del entries[nearest]
+            self._print_island(waiting.pop(nearest))
+
+    def _print_island(self, runs: list[list[int]]) -> None:
+        for run in runs:
+            if len(run) > _MANY:
+                self._print_many(np.array(run))
+            else:
+                self._print_few(run)
+
+    def _print_few(self, waiting: list[int]) -> None:
+        """Visit paths nearest first; open ones may be printed from either end."""
+        while waiting:
+            to_begin = [abs(self._begins[path] - self._place) for path in waiting]
+            to_end = [abs(self._ends[path] - self._place) for path in waiting]
+            least, turned = min(to_begin), min(to_end)
+            if turned < least:
+                self._print(waiting.pop(to_end.index(turned)), turn=True)
+            else:
+                self._print(waiting.pop(to_begin.index(least)), turn=False)
+
+    def _print_many(self, waiting: IntArray) -> None:
+        """As `_print_few`."""
+        begin, end = self._begin[waiting], self._end[waiting]
+        for _ in range(len(waiting)):
+            to_begin, to_end = np.abs(begin - self._place), np.abs(end - self._place)
+            a, b = int(to_begin.argmin()), int(to_end.argmin())
+            turn = bool(to_end[b] < to_begin[a])
+            chosen = b if turn else a
+            self._print(int(waiting[chosen]), turn)
+            begin[chosen] = end[chosen] = np.inf
+
+    def _print(self, path: int, turn: bool) -> None:
+        self.sequence.append(path)
+        if turn:
+            self.flipped.append(path)
+        self._place = (self._begins if turn else self._ends)[path]
 
 
 def _ranks(settings: PrintSettings) -> IntArray:
@@ -67,73 +150,8 @@ def _ranks(settings: PrintSettings) -> IntArray:
     return rank
 
 
-def _complex(points: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
-    return points[:, 0] + 1j * points[:, 1]
-
-
-def _order_layer(
-    members: IntArray,
-    paths: Paths,
-    begin: np.ndarray[tuple[int, ...], np.dtype[np.complex128]],
-    end: np.ndarray[tuple[int, ...], np.dtype[np.complex128]],
-    rank: IntArray,
-    position: complex,
-    sequence: list[int],
-    flipped: BoolArray,
-) -> complex:
-    """Append one layer's paths to the sequence; returns where the nozzle ends up.
-
-    `members` come sorted by island and rank, so every (island, rank) is a run.
-    """
-    key = paths.island[members] * 8 + rank[members]
-    cuts = np.flatnonzero(np.diff(key)) + 1
-    runs = np.split(members, cuts)
-    by_island: dict[int, list[IntArray]] = {}
-    for run in runs:
-        if len(run):
-            by_island.setdefault(int(paths.island[run[0]]), []).append(run)
-    waiting = [island for island in sorted(by_island) if island >= 0]
-    entries = np.array([begin[by_island[island][0][0]] for island in waiting])
-    # Supports lie among the part: the nozzle is primed when it comes there.
-    planned = sorted((island for island in by_island if island < 0), key=lambda island: (island < -2, island))
-    while planned or waiting:
-        if planned:
-            island = planned.pop(0)
-        else:
-            nearest = int(np.argmin(np.abs(entries - position)))
-            island = waiting.pop(nearest)
-            entries = np.delete(entries, nearest)
-        for run in by_island[island]:
-            position = _chain(run, paths.closed, begin, end, position, sequence, flipped)
-    return position
-
-
-def _chain(
-    run: IntArray,
-    closed: BoolArray,
-    begin: np.ndarray[tuple[int, ...], np.dtype[np.complex128]],
-    end: np.ndarray[tuple[int, ...], np.dtype[np.complex128]],
-    position: complex,
-    sequence: list[int],
-    flipped: BoolArray,
-) -> complex:
-    """Visit paths nearest first; open ones may be printed from either end."""
-    heads, tails = begin[run], end[run]
-    if len(run) > 1 or not closed[run[0]]:
-        free = np.ones(len(run), dtype=bool)
-        for _ in range(len(run)):
-            to_head = np.where(free, np.abs(heads - position), np.inf)
-            to_tail = np.where(free, np.abs(tails - position), np.inf)
-            a, b = int(np.argmin(to_head)), int(np.argmin(to_tail))
-            turn = bool(to_tail[b] < to_head[a]) and not closed[run[b]]
-            chosen = b if turn else a
-            free[chosen] = False
-            flipped[run[chosen]] = turn
-            sequence.append(int(run[chosen]))
-            position = heads[chosen] if turn else tails[chosen]
-        return complex(position)
-    sequence.append(int(run[0]))
-    return complex(tails[0])
+def _complex(points: FloatArray) -> NDArray[np.complex128]:
+    return np.asarray(points[:, 0] + 1j * points[:, 1])
 
 
 def _laid_out(paths: Paths, sequence: IntArray, offset: IntArray, flipped: BoolArray) -> OrderedPaths:

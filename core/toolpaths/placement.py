@@ -12,6 +12,7 @@ from ..settings import PrintSettings
 
 _COARSE_MM = 2.0
 _FINE_MM = 0.25
+_AT_ONCE = 200  # places that are looked at, the best first, before the next ones
 _TOUCHING_MM = 0.5  # where the user says where the tower stands, it may stand as near as this
 
 
@@ -103,8 +104,13 @@ def _nearest_free(
     printer: PrinterProfile,
 ) -> FloatArray | None:
     places = places[_inside(hull, places, printer)]
-    places = places[_free(hull, places, obstacles, distance)]
-    return places[np.argmin(_cost(places, target))] if len(places) else None
+    places = places[np.argsort(_cost(places, target), kind="stable")]
+    for first in range(0, len(places), _AT_ONCE):
+        some = places[first : first + _AT_ONCE]
+        free = _free(hull, some, obstacles, distance)
+        if free.any():
+            return np.asarray(some[np.argmax(free)])
+    return None
 
 
 def _inside(hull: FloatArray, places: FloatArray, printer: PrinterProfile) -> BoolArray:

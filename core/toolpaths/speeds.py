@@ -23,7 +23,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import FloatArray
+from ..model import FloatArray, IntArray
+from ..pattern.chunks import in_chunks
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from .moves import Feature
@@ -35,27 +36,34 @@ _SLOWEST_MM_S = 1.0
 _STEP_MM_S = 1.0
 
 
-def extrusion_speeds(paths: OrderedPaths, layers: Layers, settings: PrintSettings) -> FloatArray:
+def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, settings: PrintSettings) -> FloatArray:
     """(N,) mm/s of the line that leaves each point of N; without a meaning at the last point of a path.
 
     Args:
         paths: K paths in printing order.
         layers: the stack.
+        length: (N,) mm from each point to the next, see `chord_lengths`.
         settings: the speeds and their limits and extrusion_multiplier are used.
     """
-    path = np.repeat(np.arange(len(paths.layer)), np.diff(paths.start))
-    layer = paths.layer[path]
-    asked = feature_speeds(settings)[paths.feature[path]]
-    asked = np.where(layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
-    length = chord_lengths(paths)
+    asked = feature_speeds(settings)[paths.feature]
+    asked = np.where(paths.layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
+    height = layers.height[paths.layer]
+    travelled = np.concatenate([[0.0], np.cumsum(length)])
     queue = settings.printer_profile.queue_moves
-    curve = curve_limit(paths, length, settings.max_curve_acceleration)
-    limit = np.minimum(curve, move_time_limit(paths, length, settings.min_move_time / 1000, queue))
-    if settings.max_volumetric_speed > 0:
-        section = paths.width * layers.height[layer] * settings.extrusion_multiplier
-        limit = np.minimum(limit, settings.max_volumetric_speed / np.maximum(section, _SHORTEST_MM))
-    stepped = np.maximum(np.floor(np.minimum(limit, asked) / _STEP_MM_S + 1e-6) * _STEP_MM_S, _SLOWEST_MM_S)
-    return np.where(limit < asked, np.minimum(stepped, asked), asked)
+    path_of_point = np.repeat(np.arange(len(paths.layer)), np.diff(paths.start))
+
+    def chunk(chord: IntArray, path: IntArray) -> tuple[FloatArray]:
+        """The speeds of some chords that follow each other."""
+        limit = curve_limit(paths, length, chord, settings.max_curve_acceleration)
+        rate = move_time_limit(paths, travelled, chord, path, settings.min_move_time / 1000, queue)
+        limit = np.minimum(limit, rate)
+        if settings.max_volumetric_speed > 0:
+            section = paths.width[chord] * height[path] * settings.extrusion_multiplier
+            limit = np.minimum(limit, settings.max_volumetric_speed / np.maximum(section, _SHORTEST_MM))
+        stepped = np.maximum(np.floor(np.minimum(limit, asked[path]) / _STEP_MM_S + 1e-6) * _STEP_MM_S, _SLOWEST_MM_S)
+        return (np.where(limit < asked[path], np.minimum(stepped, asked[path]), asked[path]),)
+
+    return in_chunks(chunk, np.arange(len(length)), path_of_point)[0]
 
 
 def feature_speeds(settings: PrintSettings) -> FloatArray:
@@ -73,46 +81,62 @@ def feature_speeds(settings: PrintSettings) -> FloatArray:
 def chord_lengths(paths: OrderedPaths) -> FloatArray:
     """(N,) mm from each point to the next one of its path, 0 at the last."""
     length = np.zeros(len(paths.points))
-    step = np.diff(paths.points, axis=0)
-    length[:-1] = np.sqrt(np.einsum("ij,ij->i", step, step))
+    if len(length) > 1:
+        (length[:-1],) = in_chunks(lambda near, far: (np.hypot(*(far - near).T),), paths.points[:-1], paths.points[1:])
     length[paths.start[1:] - 1] = 0.0
     return length
 
 
-def curve_limit(paths: OrderedPaths, length: FloatArray, acceleration: float) -> FloatArray:
-    """(N,) mm/s at which a chord's sharper end takes all of the acceleration (mm/s²): v² · curvature = acceleration.
+def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, acceleration: float) -> FloatArray:
+    """(C,) mm/s at which a chord's sharper end takes all of the acceleration (mm/s²): v² · curvature = acceleration.
 
     The curvature at a point is the turn there over the mean of both chords, so a corner between long lines, which the
     firmware slows down for by itself, hardly counts.
+
+    Args:
+        paths: in printing order.
+        length: (N,) mm from each point to the next.
+        chord: (C,) points that follow each other, at which the chords begin.
+        acceleration: mm/s².
     """
-    limit = np.full(len(length), np.inf)
-    if len(length) < 3:
-        return limit
-    step = np.diff(paths.points, axis=0)
-    dot = np.einsum("ij,ij->i", step[:-1], step[1:])
-    cross = step[:-1, 0] * step[1:, 1] - step[:-1, 1] * step[1:, 0]
+    # A corner at both ends of every chord, and a chord on both sides of each corner.
+    begin, end = int(chord[0]) - 1, int(chord[-1]) + 2
+    inside = slice(max(begin, 0), min(end, len(length) - 1))
+    corner = np.full(end - begin, np.inf)
+    x, y = np.diff(paths.points[inside.start : inside.stop + 1], axis=0).T
+    way = length[inside]
+    dot = x[:-1] * x[1:] + y[:-1] * y[1:]
+    cross = x[:-1] * y[1:] - y[:-1] * x[1:]
     turn = np.abs(np.arctan2(cross, dot))
     # A path's ends have no turn: they lie at rest or meet another path.
-    turn[(length[:-2] < _SHORTEST_MM) | (length[1:-1] < _SHORTEST_MM)] = 0.0
-    mean = (length[:-2] + length[1:-1]) / 2
-    corner = np.full(len(length), np.inf)
-    corner[1:-1] = np.where(turn > 0, np.sqrt(acceleration * mean / np.where(turn > 0, turn, 1.0)), np.inf)
-    limit[:-1] = np.minimum(corner[:-1], corner[1:])
-    return limit
+    turn[(way[:-1] < _SHORTEST_MM) | (way[1:] < _SHORTEST_MM)] = 0.0
+    mean = (way[:-1] + way[1:]) / 2
+    first = inside.start - begin
+    with np.errstate(divide="ignore"):
+        bent = np.where(turn > 0, np.sqrt(acceleration * mean / turn), np.inf)
+    corner[first : first + len(bent)] = bent
+    return np.asarray(np.minimum(corner[: len(chord)], corner[1 : len(chord) + 1]))
 
 
-def move_time_limit(paths: OrderedPaths, length: FloatArray, seconds: float, queue_moves: int) -> FloatArray:
-    """(N,) mm/s at which half a queue of moves around each chord takes `seconds` a move on average."""
-    limit = np.full(len(length), np.inf)
-    if seconds <= 0 or not len(length):
-        return limit
+def move_time_limit(
+    paths: OrderedPaths, travelled: FloatArray, chord: IntArray, path: IntArray, seconds: float, queue_moves: int
+) -> FloatArray:
+    """(C,) mm/s at which half a queue of moves around each chord takes `seconds` a move on average.
+
+    Args:
+        paths: in printing order.
+        travelled: (N + 1,) mm before each point, and after the last one.
+        chord: (C,) points at which the chords begin.
+        path: (C,) of each.
+        seconds: a move, 0 for no limit.
+        queue_moves: of the printer.
+    """
+    if seconds <= 0:
+        return np.full(len(chord), np.inf)
     reach = queue_moves // 4
-    travelled = np.concatenate([[0.0], np.cumsum(length)])
-    path = np.repeat(np.arange(len(paths.layer)), np.diff(paths.start))
-    chord = np.arange(len(length))
     first = np.maximum(chord - reach + 1, paths.start[path])
     last = np.minimum(chord + reach + 1, paths.start[path + 1] - 1)  # the last point has no chord
     moves = np.maximum(last - first, 1)
     mean = (travelled[np.maximum(last, first)] - travelled[first]) / moves
     # A chord of its own length is never a burden.
-    return np.asarray(np.maximum(mean, length) / seconds)
+    return np.asarray(np.maximum(mean, travelled[chord + 1] - travelled[chord]) / seconds)
