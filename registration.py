@@ -11,6 +11,7 @@ from .operators.generate import DUALCOLOR_OT_generate
 from .operators.import_print import DUALCOLOR_OT_import_print
 from .operators.presets import OPERATORS as PRESET_OPERATORS
 from .operators.render import DUALCOLOR_OT_render_prediction
+from .operators.supports import DUALCOLOR_OT_mark_support, DUALCOLOR_OT_select_support
 from .panels.presets import MENUS
 from .panels.scrubber import DUALCOLOR_PT_scrubber
 from .panels.sidebar import PANELS
@@ -21,6 +22,8 @@ CLASSES = (
     DUALCOLOR_OT_export_x3g,
     DUALCOLOR_OT_import_print,
     DUALCOLOR_OT_render_prediction,
+    DUALCOLOR_OT_mark_support,
+    DUALCOLOR_OT_select_support,
     *PRESET_OPERATORS,
     *MENUS,
     *PANELS,

@@ -18,6 +18,8 @@ from .image_input import image_tone
 from .units import mm_per_unit
 
 WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+SUPPORT_ATTRIBUTE = "dualcolor_support"
+"""Whole number of each face: above 0 it enforces supports, below 0 it blocks them."""
 UNWRAP_HINT = "unwrap it first, or use --unwrap smart"
 
 
@@ -49,7 +51,8 @@ def surface_model(
         uv = _corner_uv(mesh, obj.name, corners, colours, slot)
         tone = _corner_tone(mesh, corners, colours, slot, settings.background_tone)
         textures, polygon_texture = _textures(colours, slot)
-        vertices = _world_vertices(mesh, obj.evaluated_get(depsgraph), mm_per_unit(depsgraph.scene))
+        support = _face_marks(mesh)
+        vertices = world_vertices(mesh, obj.evaluated_get(depsgraph), mm_per_unit(depsgraph.scene))
     order = corners.outward(mirrored=obj.evaluated_get(depsgraph).matrix_world.determinant() < 0)
     return SurfaceModel(
         vertices=vertices,
@@ -60,6 +63,7 @@ def surface_model(
         polygon_texture=polygon_texture,
         textures=textures,
         name=obj.name,
+        polygon_support=support,
     )
 
 
@@ -111,7 +115,25 @@ class _Corners:
         return self.start[self.polygon] + self.start[self.polygon + 1] - 1 - index
 
 
-def _world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float) -> FloatArray:
+def _face_marks(mesh: bpy.types.Mesh) -> IntArray | None:
+    """(P,) the `SupportMark` of each polygon; None where there is none."""
+    attribute = mesh.attributes.get(SUPPORT_ATTRIBUTE)
+    if attribute is None or attribute.domain != "FACE" or attribute.data_type != "INT":
+        return None
+    values = np.zeros(len(mesh.polygons), dtype=np.int32)
+    attribute.data.foreach_get("value", values)
+    marks: IntArray = np.sign(values).astype(np.int64)
+    return marks if marks.any() else None
+
+
+def polygon_corners(mesh: bpy.types.Mesh) -> tuple[IntArray, IntArray]:
+    """(P + 1,) where each polygon's corners start, and (C,) the vertex of each corner."""
+    corners = _Corners.of(mesh)
+    return corners.start, corners.vertex
+
+
+def world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float) -> FloatArray:
+    """(V, 3) mm in the world, of an evaluated object's mesh; `mm` is the length of a unit."""
     position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
     mesh.attributes["position"].data.foreach_get("vector", position)
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)

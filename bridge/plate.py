@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 
-from ..core.model import SurfaceModel
+from ..core.model import SupportMark, SurfaceModel
 from ..core.plate import plate
 from ..core.settings import PrintSettings
 from .curves import companions_of, source_of
 from .mesh_input import WITH_SURFACE, surface_model
 from .scrubber import STRANDS_KEY
+from .support_marks import support_volume, volume_objects
 
 
 def objects_to_print(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The active object, then all other selected meshes; strands stand for what they were made from."""
+    """The active object, then all other selected meshes but those that only enforce or block supports.
+
+    Strands stand for what they were made from.
+    """
     active = source_of(context.object)
     if active is None or active.type not in WITH_SURFACE:
         return []
@@ -23,7 +28,8 @@ def objects_to_print(context: bpy.types.Context) -> list[bpy.types.Object]:
         return [active, *companions_of(active)]
     selected = (obj for obj in context.view_layer.objects if obj.select_get() and obj.visible_get())
     others = {obj.name: obj for obj in selected if obj.type == "MESH" and not obj.get(STRANDS_KEY) and obj != active}
-    return [active, *(others[name] for name in sorted(others))]
+    markers = {name for obj in (active, *others.values()) for name in volume_objects(obj)}
+    return [active, *(others[name] for name in sorted(others) if name not in markers)]
 
 
 def plate_model(
@@ -31,6 +37,7 @@ def plate_model(
     depsgraph: bpy.types.Depsgraph,
     settings: PrintSettings,
     images: Sequence[bpy.types.Image | None],
+    markers: Sequence[tuple[bpy.types.Object, SupportMark]] = (),
 ) -> SurfaceModel:
     """Objects as they stand in the scene, or side by side with `arrange`, as one model.
 
@@ -39,10 +46,15 @@ def plate_model(
         depsgraph: evaluated, of their scene.
         settings: of the print.
         images: the picture chosen for each object, or None for its own.
+        markers: objects that enforce or block supports, beside those in the collections of each object.
 
     Raises:
         MeshError: an object cannot be printed, or the bed has no room for all.
         TextureError: a picture is missing or there is no UV map for it.
     """
-    models = [surface_model(obj, depsgraph, settings, image) for obj, image in zip(objects, images, strict=True)]
+    models = []
+    for obj, image in zip(objects, images, strict=True):
+        chosen = [*volume_objects(obj).values(), *(() if models else markers)]
+        volumes = tuple(support_volume(each, mark, depsgraph) for each, mark in chosen)
+        models.append(replace(surface_model(obj, depsgraph, settings, image), volumes=volumes))
     return plate(models, settings)

@@ -91,6 +91,16 @@ _OWN = {
         name="Image",
         description="Picture to print; without one the image of the material, then the active color attribute is used",
     ),
+    "support_enforcers": bpy.props.PointerProperty(
+        type=bpy.types.Collection,
+        name="Enforcers",
+        description="Overhangs inside the meshes of this collection get supports; the meshes are not printed",
+    ),
+    "support_blockers": bpy.props.PointerProperty(
+        type=bpy.types.Collection,
+        name="Blockers",
+        description="Overhangs inside the meshes of this collection get no supports; the meshes are not printed",
+    ),
     "report": bpy.props.StringProperty(name="Report", description="Figures of the last job, JSON", options={"HIDDEN"}),
     "show_print": bpy.props.BoolProperty(
         name="Show Print",

@@ -49,7 +49,10 @@ def forget_all() -> None:
 
 def digest_of(model: SurfaceModel, settings: PrintSettings) -> str:
     """A fingerprint of all that a print is made from."""
-    found = hashlib.blake2b(repr((model.name, model.object_names, settings)).encode(), digest_size=16)
+    found = hashlib.blake2b(
+        repr((model.name, model.object_names, [volume.mark for volume in model.volumes], settings)).encode(),
+        digest_size=16,
+    )
     for array in _arrays(astuple(model)):
         found.update(f"{array.dtype}{array.shape}".encode())
         found.update(np.ascontiguousarray(array).data)

@@ -15,6 +15,7 @@ from ..operators.render import DUALCOLOR_OT_render_prediction
 from .presets import DUALCOLOR_PT_presets
 from .results import figures, wrapped
 from .sections import SECTIONS, TEXTURE, Section
+from .supports import draw_supports
 from .tab import ObjectPanel, Tab
 
 
@@ -89,9 +90,15 @@ def _draw_settings(layout: bpy.types.UILayout, obj: bpy.types.Object, section: S
         row.prop(obj.dualcolor, name, text="")
 
 
+_MORE = {"supports": draw_supports}
+
+
 def _section_panel(section: Section, order: int) -> type[bpy.types.Panel]:
     def draw(self: bpy.types.Panel, context: bpy.types.Context) -> None:
-        _draw_settings(self.layout, source_of(context.object), section)
+        obj = source_of(context.object)
+        _draw_settings(self.layout, obj, section)
+        if section.key in _MORE:
+            _MORE[section.key](self.layout, obj)
 
     return type(
         f"DUALCOLOR_PT_{section.key}",
