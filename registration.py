@@ -6,6 +6,7 @@ import bpy
 
 from . import cli
 from .bridge import properties, results, scrubber
+from .operators import add
 from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
 from .operators.import_print import DUALCOLOR_OT_import_print
@@ -26,6 +27,7 @@ CLASSES = (
     DUALCOLOR_OT_select_support,
     *PRESET_OPERATORS,
     *MENUS,
+    *add.CLASSES,
     *PANELS,
     DUALCOLOR_PT_scrubber,
 )
@@ -40,12 +42,14 @@ def register() -> None:
         bpy.utils.register_class(added)
     bpy.types.TOPBAR_MT_file_export.append(_draw_export_entry)
     bpy.types.TOPBAR_MT_file_import.append(_draw_import_entry)
+    bpy.types.VIEW3D_MT_add.append(add.draw_add_entry)
     cli.register_command()
 
 
 def unregister() -> None:
     """Remove them in the reverse order."""
     cli.unregister_command()
+    bpy.types.VIEW3D_MT_add.remove(add.draw_add_entry)
     bpy.types.TOPBAR_MT_file_import.remove(_draw_import_entry)
     bpy.types.TOPBAR_MT_file_export.remove(_draw_export_entry)
     for added in reversed(CLASSES):

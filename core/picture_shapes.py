@@ -15,6 +15,8 @@ from .slicing.outlines import starts
 
 _FACET_MM = 1.0  # sides of what is round
 _LEAST_FACETS = 48
+_PAINTED = 0.5  # alpha from which on a texel has a say in the contrast
+_LEAST_CONTRAST = 0.02  # less is noise, not a picture
 
 
 @dataclass(frozen=True)
@@ -152,9 +154,7 @@ def picture_tube(
     return _shape(rings, polygons, uvs, marks, columns, ladder, 0, around)
 
 
-def fitted(
-    image: ToneImage, shape: PictureShape, frame_tone: float = 1.0, rectangle: tuple[float, float] | None = None
-) -> ToneImage:
+def fitted(image: ToneImage, shape: PictureShape, *, auto_contrast: bool = False, frame_tone: float = 1.0) -> ToneImage:
     """A picture cut to a shape's proportions about its middle, and filtered by Lanczos to its texels.
 
     All is done in linear light, with the tone weighted by how far it covers.
@@ -162,18 +162,21 @@ def fitted(
     Args:
         image: of any size.
         shape: columns, rows and frame are used.
+        auto_contrast: stretch the tones so that the darkest and the brightest hundredth become black and white.
         frame_tone: of the frame.
-        rectangle: proportions (width, height) to cut to; by default those of the picture on the shape.
     """
     columns, rows = shape.columns - 2 * shape.frame, shape.rows - 2 * shape.frame
     high, wide = image.tone.shape
-    width, height = rectangle or (columns, rows)
-    scale = min(wide / width, high / height)
-    margin = (wide - width * scale) / 2, (high - height * scale) / 2
+    scale = min(wide / columns, high / rows)
+    margin = (wide - columns * scale) / 2, (high - rows * scale) / 2
     box = margin[0], margin[1], wide - margin[0], high - margin[1]
     alpha = np.clip(_resized(image.alpha, (columns, rows), box), 0.0, 1.0)
     paint = np.clip(_resized(image.tone * image.alpha, (columns, rows), box), 0.0, alpha)
     tone = np.divide(paint, alpha, out=np.zeros_like(paint), where=alpha > 0)
+    if auto_contrast and (alpha > _PAINTED).any():
+        low, high_tone = np.percentile(tone[alpha > _PAINTED], [1, 99])
+        if high_tone - low > _LEAST_CONTRAST:
+            tone = np.clip((tone - low) / (high_tone - low), 0.0, 1.0).astype(np.float32)
     around = ((shape.frame, shape.frame), (shape.frame, shape.frame))
     framed = np.pad(tone, around, constant_values=frame_tone), np.pad(alpha, around, constant_values=1.0)
     return ToneImage(*framed)

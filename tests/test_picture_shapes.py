@@ -75,7 +75,9 @@ def test_sizes_and_volumes():
 def test_a_frame_is_around_the_picture():
     plate = SHAPES["framed plate"]
     assert (plate.columns, plate.rows, plate.frame) == (26, 22, 3)
-    picture = fitted(ToneImage(np.full((40, 50), 0.25, np.float32), np.ones((40, 50), np.float32)), plate, 0.9)
+    picture = fitted(
+        ToneImage(np.full((40, 50), 0.25, np.float32), np.ones((40, 50), np.float32)), plate, frame_tone=0.9
+    )
     assert picture.tone.shape == (22, 26)
     np.testing.assert_allclose(picture.tone[3:-3, 3:-3], 0.25, atol=1e-6)
     border = np.ones((22, 26), dtype=bool)
@@ -140,6 +142,19 @@ def test_transparent_parts_stay_unpainted_and_bleed_no_tone():
     made = fitted(ToneImage(tone, alpha), plate)
     assert made.alpha[:, :8].max() < 0.02 and made.alpha[:, 12:].min() > 0.98
     np.testing.assert_allclose(made.tone[made.alpha > 0.1], 0.8, atol=0.05)
+
+
+def test_auto_contrast_stretches_the_painted_tones_alone():
+    plate = picture_plate(10, 10, 2, SETTINGS, frame=1)
+    ramp = np.tile(np.linspace(0.4, 0.6, 400, dtype=np.float32), (400, 1))
+    alpha = np.ones_like(ramp)
+    alpha[:100], ramp[:100] = 0, 0
+    made = fitted(ToneImage(ramp, alpha), plate, auto_contrast=True, frame_tone=0.7)
+    tone = made.tone[10:-2, 2:-2].mean(axis=0)
+    assert tone[0] < 0.03 and tone[-1] > 0.97 and tone[9:11].mean() == pytest.approx(0.5, abs=0.02)
+    assert made.tone[0, 0] == pytest.approx(0.7)
+    even = ToneImage(np.full((50, 50), 0.3, np.float32), np.ones((50, 50), np.float32))
+    np.testing.assert_allclose(fitted(even, plate, auto_contrast=True).tone[2:-2, 2:-2], 0.3, atol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,13 @@ def linear_from_srgb(encoded: FloatArray) -> FloatArray:
     return linear
 
 
+def srgb_from_linear(linear: FloatArray) -> FloatArray:
+    """The sRGB encoding of linear light, any shape; both sides 0 to 1, what lies outside is clipped."""
+    light = np.clip(linear, 0.0, 1.0)
+    encoded: FloatArray = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    return encoded
+
+
 def tone_image(pixels: Float32Array, encoded_srgb: bool, premultiplied: bool = False) -> ToneImage:
     """The tone of a picture.
 
