@@ -7,12 +7,16 @@ import bpy
 from . import cli
 from .bridge import properties, results, scrubber
 from .operators import add
+from .operators.check_model import OPERATORS as CHECK_OPERATORS
 from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
 from .operators.import_print import DUALCOLOR_OT_import_print
+from .operators.painting import OPERATORS as PAINTING_OPERATORS
 from .operators.presets import OPERATORS as PRESET_OPERATORS
 from .operators.render import DUALCOLOR_OT_render_prediction
 from .operators.supports import DUALCOLOR_OT_mark_support, DUALCOLOR_OT_select_support
+from .operators.unwrap import OPERATORS as UNWRAP_OPERATORS
+from .panels.prepare import DUALCOLOR_PT_paint, DUALCOLOR_PT_prepare
 from .panels.presets import MENUS
 from .panels.scrubber import DUALCOLOR_PT_scrubber
 from .panels.sidebar import PANELS
@@ -28,7 +32,12 @@ CLASSES = (
     *PRESET_OPERATORS,
     *MENUS,
     *add.CLASSES,
+    *CHECK_OPERATORS,
+    *UNWRAP_OPERATORS,
+    *PAINTING_OPERATORS,
     *PANELS,
+    DUALCOLOR_PT_prepare,
+    DUALCOLOR_PT_paint,
     DUALCOLOR_PT_scrubber,
 )
 

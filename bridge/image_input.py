@@ -8,8 +8,9 @@ import bpy
 import numpy as np
 
 from ..core.errors import TextureError
-from ..core.model import ToneImage
+from ..core.model import Float32Array, ToneImage
 from ..core.texture.decode import tone_image
+from ..core.texture.grade import linear_colours
 
 RAW_COLOUR_SPACES = ("Non-Color", "Raw", "Linear Rec.709", "Linear", "Generic Data")
 
@@ -40,6 +41,22 @@ def image_tone(image: bpy.types.Image) -> ToneImage:
     Raises:
         TextureError: the image has no pixels, or is made of UDIM tiles.
     """
+    rgba, encoded, premultiplied = _stored_pixels(image)
+    return tone_image(rgba, encoded_srgb=encoded, premultiplied=premultiplied)
+
+
+def image_colours(image: bpy.types.Image) -> tuple[Float32Array, Float32Array]:
+    """(H, W, 3) linear colours and (H, W) alpha of a Blender image, as it is now.
+
+    Raises:
+        TextureError: the image has no pixels, or is made of UDIM tiles.
+    """
+    rgba, encoded, premultiplied = _stored_pixels(image)
+    return linear_colours(rgba, encoded, premultiplied), np.clip(rgba[..., 3], 0.0, 1.0)
+
+
+def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
+    """(H, W, 4) as stored, whether colours are sRGB-encoded, and whether they are multiplied by alpha."""
     if image.source == "TILED" and len(image.tiles) > 1:
         raise TextureError(f"the image {image.name} has several tiles", "bake them into a single image")
     width, height = image.size
@@ -51,7 +68,7 @@ def image_tone(image: bpy.types.Image) -> ToneImage:
     if image.alpha_mode in ("NONE", "CHANNEL_PACKED"):
         rgba[..., 3] = 1.0
     encoded = not image.is_float and image.colorspace_settings.name not in RAW_COLOUR_SPACES
-    return tone_image(rgba, encoded_srgb=encoded, premultiplied=image.is_float and image.alpha_mode == "STRAIGHT")
+    return rgba, encoded, image.is_float and image.alpha_mode == "STRAIGHT"
 
 
 def _as_rgba(pixels: np.ndarray) -> np.ndarray:

@@ -77,6 +77,16 @@ def report_of(group: bpy.types.PropertyGroup) -> dict[str, Any]:
     return json.loads(group.report) if group.report else {}
 
 
+def set_findings(group: bpy.types.PropertyGroup, counts: dict[str, int]) -> None:
+    """Store what a check of the model has found; an empty dict is no check."""
+    group.findings = json.dumps(counts) if counts else ""
+
+
+def findings_of(group: bpy.types.PropertyGroup) -> dict[str, int]:
+    """What the last check of the model has found, by kind; empty before the first."""
+    return json.loads(group.findings) if group.findings else {}
+
+
 def _get_show_print(group: bpy.types.PropertyGroup) -> bool:
     return is_print_shown(group.id_data)
 
@@ -102,6 +112,9 @@ _OWN = {
         description="Overhangs inside the meshes of this collection get no supports; the meshes are not printed",
     ),
     "report": bpy.props.StringProperty(name="Report", description="Figures of the last job, JSON", options={"HIDDEN"}),
+    "findings": bpy.props.StringProperty(
+        name="Findings", description="What the last check found, JSON", options={"HIDDEN"}
+    ),
     "show_print": bpy.props.BoolProperty(
         name="Show Print",
         description="Show the strands of the predicted print in place of the model",

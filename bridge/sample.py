@@ -8,6 +8,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.model import Float32Array
+from ..core.texture.decode import srgb_from_linear
 from .units import use_millimetres
 from .unwrap import unwrap
 
@@ -139,10 +140,8 @@ def _baked_occlusion(obj: bpy.types.Object, node: bpy.types.ShaderNodeTexImage) 
 
 def _image(linear: Float32Array) -> bpy.types.Image:
     """A packed byte image of linear colours (H, W, 3)."""
-    clipped = np.clip(linear, 0.0, 1.0)
-    encoded = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
     rgba = np.ones((*linear.shape[:2], 4), dtype=np.float32)
-    rgba[..., :3] = encoded
+    rgba[..., :3] = srgb_from_linear(np.clip(linear, 0.0, 1.0))
     image = bpy.data.images.new("Calico coat", linear.shape[1], linear.shape[0])
     image.pixels.foreach_set(rgba.ravel())
     image.pack()

@@ -1,14 +1,17 @@
-"""UV maps for meshes that have none."""
+"""UV maps for meshes that have none, or bad ones."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 
 import bmesh
 import bpy
 import numpy as np
 
-from ..core.errors import MeshError, PrintError
+from ..core.errors import MeshError
+from ..core.unwrapping import ChartOptions, PackOptions, unwrapping
+from .units import mm_per_unit
 
 UV_LAYER = "Dual-Color"
 METHODS = ("smart", "xatlas")
@@ -26,24 +29,50 @@ def unwrap(obj: bpy.types.Object, method: str) -> None:
         MeshError: the object is no mesh or has no faces.
         PrintError: xatlas is not installed.
     """
-    if obj.type != "MESH" or not len(obj.data.polygons):
-        raise MeshError(f"{obj.name} has no faces to unwrap", "choose a mesh object")
     if method == "smart":
-        _new_layer(obj.data)
-        _smart_project(obj)
-    else:
-        _xatlas(obj.data)
+        smart_project(obj)
+        return
+    for _ in unwrap_steps(obj, ChartOptions(), PackOptions(padding=0)):
+        pass
 
 
-def _new_layer(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer:
-    layer = mesh.uv_layers.new(name=UV_LAYER, do_init=False)
-    if layer is None:
-        raise MeshError(f"{mesh.name} has no room for another UV map", "remove one of its UV maps")
-    layer.active = layer.active_render = True
-    return layer
+def unwrap_steps(obj: bpy.types.Object, chart: ChartOptions, pack: PackOptions) -> Generator[float, None, None]:
+    """Unwrap with xatlas; yields the share that is done, and changes the mesh at the very end.
+
+    Args:
+        obj: in object mode.
+        chart: how to cut the surface.
+        pack: how to pack the charts.
+
+    Raises:
+        MeshError: the object is no mesh or has no faces, or xatlas cannot unwrap it.
+        PrintError: xatlas is not installed.
+    """
+    _check(obj)
+    triangles = _triangulated(obj.data)
+    try:
+        vertices = np.empty((len(triangles.vertices), 3), dtype=np.float32)
+        triangles.attributes["position"].data.foreach_get("vector", vertices.ravel())
+        faces = np.empty((len(triangles.polygons), 3), dtype=np.int32)
+        triangles.loops.foreach_get("vertex_index", faces.ravel())
+        uv = yield from unwrapping(vertices * _scale(obj), faces, chart, pack)
+        if obj.data.is_editmode:
+            raise MeshError(f"{obj.name} is being edited", "leave Edit Mode first")
+        _copy_into(triangles, obj.data)
+    finally:
+        bpy.data.meshes.remove(triangles)
+    _new_layer(obj.data).uv.foreach_set("vector", uv.ravel())
+    obj.data.update()
 
 
-def _smart_project(obj: bpy.types.Object) -> None:
+def smart_project(obj: bpy.types.Object) -> None:
+    """Unwrap with Blender's Smart UV Project.
+
+    Raises:
+        MeshError: the object is no mesh or has no faces.
+    """
+    _check(obj)
+    _new_layer(obj.data)
     layer = bpy.context.view_layer
     for other in layer.objects:
         other.select_set(other == obj)
@@ -55,25 +84,37 @@ def _smart_project(obj: bpy.types.Object) -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def _xatlas(mesh: bpy.types.Mesh) -> None:
-    try:
-        import xatlas
-    except ImportError:
-        raise PrintError("xatlas is not installed", "unwrap with the smart method instead") from None
-    _triangulate(mesh)
-    position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.attributes["position"].data.foreach_get("vector", position)
-    corner_vertex = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corner_vertex)
-    _, corners, uv = xatlas.parametrize(position.reshape(-1, 3), corner_vertex.reshape(-1, 3).astype(np.uint32))
-    _new_layer(mesh).uv.foreach_set("vector", np.ascontiguousarray(uv[corners.ravel()], dtype=np.float32).ravel())
-    mesh.update()
+def _check(obj: bpy.types.Object) -> None:
+    if obj.type != "MESH" or not len(obj.data.polygons):
+        raise MeshError(f"{obj.name} has no faces to unwrap", "choose a mesh object")
 
 
-def _triangulate(mesh: bpy.types.Mesh) -> None:
-    """Split polygons, because a chart may end on a diagonal."""
+def _scale(obj: bpy.types.Object) -> float:
+    """Millimetres in one of the object's own units, on average over its axes."""
+    return abs(obj.matrix_world.to_3x3().determinant()) ** (1 / 3) * mm_per_unit(bpy.context.scene) or 1.0
+
+
+def _new_layer(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer:
+    layer = mesh.uv_layers.new(name=UV_LAYER, do_init=False)
+    if layer is None:
+        raise MeshError(f"{mesh.name} has no room for another UV map", "remove one of its UV maps")
+    layer.active = layer.active_render = True
+    return layer
+
+
+def _triangulated(mesh: bpy.types.Mesh) -> bpy.types.Mesh:
+    """A copy with polygons split, because a chart may end on a diagonal."""
+    copy = mesh.copy()
     work = bmesh.new()
     work.from_mesh(mesh)
     bmesh.ops.triangulate(work, faces=[face for face in work.faces if len(face.verts) > 3])
-    work.to_mesh(mesh)
+    work.to_mesh(copy)
+    work.free()
+    return copy
+
+
+def _copy_into(source: bpy.types.Mesh, target: bpy.types.Mesh) -> None:
+    work = bmesh.new()
+    work.from_mesh(source)
+    work.to_mesh(target)
     work.free()

@@ -1,0 +1,143 @@
+"""Pictures to paint on: made in the right size, shown on the object, filled from a coloured picture."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+
+from ..core.errors import TextureError
+from ..core.model import FloatArray
+from ..core.texture.decode import srgb_from_linear
+from ..core.texture.grade import Grade, graded
+from .base_colour import base_colour
+from .image_input import image_colours
+from .units import mm_per_unit
+from .unwrap import smart_project
+
+PALETTE = "Dual-Color Greys"
+GREYS = 11
+SMALLEST, LARGEST = 256, 8192
+
+
+def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: float) -> bpy.types.Image:
+    """Make an object ready to be painted in Texture Paint mode, and enter it.
+
+    A picture that the object has already is kept and painted on; so are its UV maps and materials.
+
+    Args:
+        obj: the active mesh object.
+        texel_mm: greatest side of a texel on the surface.
+        background_tone: what a new picture is filled with.
+
+    Returns:
+        The picture that strokes go to.
+
+    Raises:
+        MeshError: the object has no faces.
+    """
+    if not obj.data.uv_layers:
+        smart_project(obj)
+    image = picture_of(obj)
+    if image is None:
+        image = _new_picture(f"{obj.name} Tone", picture_size(obj, texel_mm), background_tone)
+        if obj.data.materials and any(obj.data.materials):
+            obj.dualcolor.image = image  # the materials stay as they are
+        else:
+            _show_in_new_material(obj, image)
+    if obj.mode != "TEXTURE_PAINT":
+        bpy.ops.object.mode_set(mode="TEXTURE_PAINT")
+    paint = bpy.context.scene.tool_settings.image_paint
+    paint.mode, paint.canvas = "IMAGE", image
+    paint.palette = _palette()
+    if paint.brush:
+        paint.brush.color = (0.0, 0.0, 0.0)
+    return image
+
+
+def picture_of(obj: bpy.types.Object) -> bpy.types.Image | None:
+    """The picture that an object is printed with: the chosen one, else that of its materials."""
+    if obj.dualcolor.image:
+        return obj.dualcolor.image
+    found = (base_colour(material).image for material in obj.data.materials)
+    return next((image for image in found if image), None)
+
+
+def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
+    """Side of a square picture, a power of two, whose texels are no larger than `texel_mm` on the surface."""
+    mesh = obj.data
+    mesh.calc_loop_triangles()
+    corner = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("loops", corner)
+    uv = np.empty(len(mesh.loops) * 2, dtype=np.float32)
+    mesh.uv_layers.active.uv.foreach_get("vector", uv)
+    position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", position)
+    vertex = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", vertex)
+    matrix = np.array(obj.matrix_world.to_3x3()) * mm_per_unit(bpy.context.scene)
+    places = (position.reshape(-1, 3) @ matrix.T)[vertex[corner]].reshape(-1, 3, 3)
+    charted = np.abs(_area(uv.reshape(-1, 2)[corner].reshape(-1, 3, 2))).sum()
+    surface = np.linalg.norm(np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]), axis=1).sum() / 2
+    if not charted > 0:
+        raise TextureError(f"the UV map of {obj.name} has no area", "unwrap the mesh again")
+    texels = math.sqrt(surface / charted) / texel_mm
+    return int(min(max(2 ** math.ceil(math.log2(max(texels, 1.0))), SMALLEST), LARGEST))
+
+
+def grey_picture(image: bpy.types.Image, grade: Grade) -> bpy.types.Image:
+    """A new, packed grey picture made from a coloured one, which is kept.
+
+    Raises:
+        TextureError: the picture has no pixels, or the grade makes no sense.
+    """
+    linear, alpha = image_colours(image)
+    grey = graded(linear, alpha, grade)
+    height, width = grey.shape
+    made = bpy.data.images.new(f"{image.name} Grey", width, height, alpha=True)
+    pixels = np.repeat(grey[..., None], 4, axis=2).astype(np.float32)
+    pixels[..., 3] = alpha
+    made.pixels.foreach_set(pixels.ravel())
+    made.pack()
+    return made
+
+
+def _area(uv: FloatArray) -> FloatArray:
+    """(T,) signed area of triangles (T, 3, 2)."""
+    a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    return (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
+
+
+def _new_picture(name: str, side: int, tone: float) -> bpy.types.Image:
+    image = bpy.data.images.new(name, side, side, alpha=False)
+    grey = float(srgb_from_linear(np.array(tone)))
+    image.pixels.foreach_set(np.tile(np.array([grey, grey, grey, 1.0], dtype=np.float32), side * side))
+    image.pack()
+    return image
+
+
+def _show_in_new_material(obj: bpy.types.Object, image: bpy.types.Image) -> None:
+    material = bpy.data.materials.new(f"{obj.name} Tone")
+    if material.node_tree is None:
+        material.use_nodes = True  # before Blender 5
+    tree = material.node_tree
+    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image, node.location = image, (-320, 280)
+    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+    tree.nodes.active = node
+    if obj.data.materials:
+        obj.data.materials[0] = material
+    else:
+        obj.data.materials.append(material)
+
+
+def _palette() -> bpy.types.Palette:
+    """Greys from the black filament to the white one, in equal steps for the eye."""
+    palette = bpy.data.palettes.get(PALETTE)
+    if palette is None:
+        palette = bpy.data.palettes.new(PALETTE)
+        for grey in np.linspace(0.0, 1.0, GREYS):
+            palette.colors.new().color = (grey, grey, grey)
+    return palette

@@ -1,0 +1,91 @@
+"""Set Up Painting, and Grey from Colour Image."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..bridge.painting import grey_picture, picture_of, set_up_painting
+from ..core.errors import PrintError
+from ..core.texture.decode import LUMINANCE
+from ..core.texture.grade import Grade
+from .unwrap import has_mesh
+
+
+class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
+    """Make a picture of the right size for the print, show it on the object and start painting on it in greys"""
+
+    bl_idname = "dualcolor.set_up_painting"
+    bl_label = "Set Up Painting"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    texel_size: bpy.props.FloatProperty(
+        name="Texel Size", default=0.0, min=0.0, max=10.0, precision=3, unit="CAMERA",
+        description="Greatest side of a texel on the object; 0 is half a layer",
+    )  # fmt: skip
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """A mesh in Object or Texture Paint Mode is needed."""
+        return has_mesh(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Set it up."""
+        obj = context.object
+        texel = self.texel_size or obj.dualcolor.layer_height / 2
+        try:
+            image = set_up_painting(obj, texel, obj.dualcolor.background_tone)
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Painting on {image.name}, {image.size[0]} × {image.size[1]}")
+        return {"FINISHED"}
+
+
+class DUALCOLOR_OT_grey_from_color(bpy.types.Operator):
+    """Make a grey picture from the object's coloured one and print that; the coloured one is kept"""
+
+    bl_idname = "dualcolor.grey_from_color"
+    bl_label = "From Color Image"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    mix: bpy.props.FloatVectorProperty(
+        name="Channel Mix", size=3, default=LUMINANCE, min=-2.0, max=2.0,
+        description="Weights of red, green and blue in linear light; only their ratios count",
+    )  # fmt: skip
+    auto_contrast: bpy.props.BoolProperty(
+        name="Auto Contrast", default=True, description="Stretch the picture's own range to black and white"
+    )
+    black: bpy.props.FloatProperty(
+        name="Black Level", default=0.0, min=0.0, max=1.0, description="Grey, as shown, that becomes black"
+    )
+    white: bpy.props.FloatProperty(
+        name="White Level", default=1.0, min=0.0, max=1.0, description="Grey, as shown, that becomes white"
+    )
+    gamma: bpy.props.FloatProperty(
+        name="Gamma", default=1.0, min=0.1, max=10.0, description="Above 1 lightens the middle, below 1 darkens it"
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """A mesh with a picture is needed."""
+        if not has_mesh(cls, context):
+            return False
+        if picture_of(context.object) is None:
+            cls.poll_message_set("Choose an image, or give the material an Image Texture, first")
+            return False
+        return True
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Make the grey picture and choose it."""
+        group = context.object.dualcolor
+        grade = Grade(tuple(self.mix), self.black, self.white, self.gamma, self.auto_contrast)
+        try:
+            group.image = grey_picture(picture_of(context.object), grade)
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Printing {group.image.name}")
+        return {"FINISHED"}
+
+
+OPERATORS = (DUALCOLOR_OT_set_up_painting, DUALCOLOR_OT_grey_from_color)

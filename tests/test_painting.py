@@ -1,0 +1,140 @@
+"""From a bare mesh to a picture that can be painted on, and from a coloured picture to a grey one."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+import dualcolor  # noqa: E402
+from dualcolor.bridge.painting import picture_size  # noqa: E402
+from dualcolor.core.errors import TextureError  # noqa: E402
+from dualcolor.core.texture.decode import linear_from_srgb, srgb_from_linear  # noqa: E402
+from dualcolor.core.texture.grade import Grade, graded  # noqa: E402
+from scene import add_box, add_material, add_uvs, flat_image, fresh  # noqa: E402
+
+
+@pytest.fixture
+def registered():
+    fresh()
+    dualcolor.register()
+    yield
+    dualcolor.unregister()
+
+
+def test_srgb_there_and_back():
+    light = np.linspace(0, 1, 1001)
+    np.testing.assert_allclose(linear_from_srgb(srgb_from_linear(light)), light, atol=1e-7)
+
+
+def test_channel_mix_takes_the_channel_asked_for():
+    colours = np.random.default_rng(1).random((6, 7, 3)).astype(np.float32)
+    grey = graded(colours, np.ones((6, 7), np.float32), Grade((0.0, 2.0, 0.0), auto_contrast=False))
+    np.testing.assert_allclose(linear_from_srgb(grey), colours[..., 1], atol=1e-6)
+
+
+def test_levels_and_gamma():
+    encoded = np.linspace(0, 1, 11)
+    colours = np.repeat(linear_from_srgb(encoded)[None, :, None], 3, axis=2).astype(np.float32)
+    grey = graded(colours, np.ones((1, 11), np.float32), Grade(black=0.2, white=0.8, gamma=2.0, auto_contrast=False))
+    np.testing.assert_allclose(grey[0], np.clip((encoded - 0.2) / 0.6, 0, 1) ** 0.5, atol=1e-5)
+
+
+def test_auto_contrast_fills_the_range_and_ignores_what_is_not_painted():
+    colours = np.full((20, 20, 3), 0.3, dtype=np.float32)
+    colours[:, :10] = 0.4
+    alpha = np.ones((20, 20), dtype=np.float32)
+    colours[0], alpha[0] = 1.0, 0.0
+    grey = graded(colours, alpha, Grade())
+    assert grey[1:, :10].min() == 1.0 and grey[1:, 10:].max() == 0.0
+
+
+def test_a_grade_that_makes_no_sense_is_said():
+    colours, alpha = np.full((2, 2, 3), 0.3, dtype=np.float32), np.ones((2, 2), np.float32)
+    with pytest.raises(TextureError, match="black level"):
+        graded(colours, alpha, Grade(black=0.7, white=0.7, auto_contrast=False))
+    with pytest.raises(TextureError, match="channel mix"):
+        graded(colours, alpha, Grade((1.0, -1.0, 0.0)))
+
+
+def test_picture_has_texels_no_larger_than_asked(registered):
+    box = add_box((100, 100, 100))
+    add_uvs(box)  # each face fills the square
+    assert picture_size(box, 0.5) == 256  # 200 texels are needed
+    assert picture_size(box, 0.125) == 1024  # 800 are needed
+
+
+def test_painting_is_set_up_on_a_bare_mesh(registered):
+    box = add_box((40, 40, 40))
+    box.dualcolor.background_tone = 1.0
+    assert bpy.ops.dualcolor.set_up_painting() == {"FINISHED"}
+    assert box.mode == "TEXTURE_PAINT" and box.data.uv_layers
+    paint = bpy.context.scene.tool_settings.image_paint
+    assert paint.canvas.name == "box Tone" and paint.canvas.size[0] >= 512
+    assert min(paint.canvas.pixels[:4]) == 1.0
+    assert len(paint.palette.colors) == 11
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_painting_keeps_the_picture_and_the_materials_that_are_there(registered):
+    box = add_box((40, 40, 40))
+    layer = add_uvs(box)
+    image = flat_image((0.2, 0.4, 0.6, 1))
+    material, _ = add_material(box, image)
+    bpy.ops.dualcolor.set_up_painting()
+    paint = bpy.context.scene.tool_settings.image_paint
+    assert paint.canvas == image and box.data.materials[0] == material
+    assert [each.name for each in box.data.uv_layers] == [layer.name]
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_painting_chooses_a_picture_beside_materials_without_one(registered):
+    box = add_box((40, 40, 40))
+    material, _ = add_material(box, colour=(1, 0, 0, 1))
+    bpy.ops.dualcolor.set_up_painting()
+    assert box.data.materials[0] == material and box.dualcolor.image.name == "box Tone"
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_grey_picture_is_printed_instead_of_the_coloured_one(registered):
+    box = add_box()
+    add_uvs(box)
+    image = flat_image((1, 0, 0, 1))
+    add_material(box, image)
+    assert bpy.ops.dualcolor.grey_from_color(mix=(1, 0, 0), auto_contrast=False) == {"FINISHED"}
+    made = box.dualcolor.image
+    assert made != image and list(made.pixels[:4]) == [1, 1, 1, 1]
+    assert list(image.pixels[:4]) == [1, 0, 0, 1]
+
+
+def test_unwrapping_fills_the_square_and_keeps_the_old_map(registered):
+    pytest.importorskip("xatlas")
+    box = add_box((20, 30, 40))
+    old = add_uvs(box).name
+    assert bpy.ops.dualcolor.unwrap_xatlas() == {"FINISHED"}
+    assert [layer.name for layer in box.data.uv_layers] == [old, "Dual-Color"]
+    assert box.data.uv_layers.active.name == "Dual-Color"
+    uv = np.empty(len(box.data.loops) * 2, dtype=np.float32)
+    box.data.uv_layers.active.uv.foreach_get("vector", uv)
+    assert uv.min() >= 0 and uv.max() <= 1 and np.ptp(uv) > 0.5
+    assert len(box.data.polygons) == 12
+
+
+def test_unwrapping_dropped_half_way_leaves_the_mesh_alone(registered):
+    pytest.importorskip("xatlas")
+    from dualcolor.bridge.unwrap import unwrap_steps
+    from dualcolor.core.unwrapping import ChartOptions, PackOptions
+
+    box = add_box()
+    job = unwrap_steps(box, ChartOptions(), PackOptions())
+    next(job)
+    job.close()
+    assert not box.data.uv_layers and len(box.data.polygons) == 6
+    assert len(bpy.data.meshes) == 1
+
+
+def test_buttons_say_what_is_missing(registered):
+    with pytest.raises(RuntimeError, match="Select a mesh object with faces first"):
+        bpy.ops.dualcolor.set_up_painting()
+    add_box()
+    with pytest.raises(RuntimeError, match="Choose an image"):
+        bpy.ops.dualcolor.grey_from_color()
