@@ -2,9 +2,9 @@
 
     python benchmarks/x3g.py [--data FOLDER] [--out FILE] [--set KEY=VALUE ...] [NAME ...]
 
-Each is printed whole, with supports, written as G-code and as X3G; GPX converts the G-code. Prints a table and writes
-it as Markdown. Needs the modules of the command line (bpy) and the program gpx. The meshes are not part of this
-repository.
+Each is printed whole, with supports, written as G-code and as X3G; GPX converts the G-code. The time that the program
+estimates is held against a simulation of the X3G. Prints a table and writes it as Markdown. Needs the modules of the
+command line (bpy) and the program gpx. The meshes are not part of this repository.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from dualcolor.core.x3g.commands import Action, Command  # noqa: E402
 from dualcolor.core.x3g.reader import Commands, read_x3g  # noqa: E402
 from dualcolor.core.x3g.writer import x3g_bytes  # noqa: E402
 from dualcolor.tests.gpx import convert, installed  # noqa: E402
+from dualcolor.tests.x3g_simulation import print_seconds  # noqa: E402
 
 DATA = ROOT.parent / "shared" / "data"
 OUT = ROOT / "docs" / "x3g.md"
@@ -48,10 +49,12 @@ Made by `benchmarks/x3g.py`: meshes of others, printed at full size with {settin
 (`gpx -I -g -m {machine}`); the program's own X3G is compared with GPX's command by command. *Equal moves* are those
 whose steps, step rate, length, speed, tool and place in the file agree, of all moves that either file has; *heaters*
 says whether all temperatures, and the waits for them, agree in value and order. *Changes* are changes of the tool
-between strands. The audit (`core/x3g/audit.py`) reads the finished bytes and trusts nothing that made them.
+between strands. The audit (`core/x3g/audit.py`) reads the finished bytes and trusts nothing that made them. The *time*
+is the estimate of the planner model (`core/statistics.py`), beside it its difference from a simulation of the X3G that
+shares nothing with it but the limits of the printer (`tests/x3g_simulation.py`).
 
-| mesh | mm | layers | changes | moves | GPX's diagnostics | equal moves | heaters | same bytes | audit |
-|---|---|---|---|---|---|---|---|---|---|
+| mesh | mm | layers | changes | moves | GPX says | equal moves | heaters | same bytes | audit | time | simulated |
+|---|---|---|---|---|---|---|---|---|---|---|---|
 """
 
 
@@ -67,6 +70,7 @@ class Comparison:
         same_bytes: whether the files are equal.
         tool_changes: between strands of the print.
         findings: of the audit.
+        simulated_s: s that the X3G takes.
     """
 
     diagnostics: list[str]
@@ -76,6 +80,7 @@ class Comparison:
     same_bytes: bool
     tool_changes: int
     findings: list[str]
+    simulated_s: float
 
 
 def main() -> int:
@@ -98,6 +103,7 @@ def main() -> int:
         result = generate(model_of(path, height_of(path)), settings)
         comparison = compared(result)
         perfect &= comparison.same_bytes and not comparison.diagnostics and not comparison.findings
+        perfect &= abs(result.report["time_s"]["total"] / comparison.simulated_s - 1) <= 0.05
         lines.append(row(path, result, comparison))
         print(lines[-1], *comparison.diagnostics, *comparison.findings, sep="\n  ", flush=True)
     if lines and not args.names:
@@ -151,6 +157,7 @@ def compared(result: DualColorPrint) -> Comparison:
         same_bytes=mine == theirs,
         tool_changes=changes_between_strands(commands, printer),
         findings=audit(commands, printer, tower_box(result)),
+        simulated_s=print_seconds(commands),
     )
 
 
@@ -197,6 +204,7 @@ def tower_box(result: DualColorPrint) -> FloatArray | None:
 def row(path: Path, result: DualColorPrint, comparison: Comparison) -> str:
     """One line of the table."""
     low, high = result.mesh.bounds
+    estimate = result.report["time_s"]["total"]
     cells = [
         path.name,
         " × ".join(f"{side:.0f}" for side in high - low),
@@ -208,6 +216,8 @@ def row(path: Path, result: DualColorPrint, comparison: Comparison) -> str:
         "equal" if comparison.same_heaters else "differ",
         "yes" if comparison.same_bytes else "no",
         str(len(comparison.findings) or "finds nothing"),
+        f"{estimate / 60:.0f} min",
+        f"{100 * (estimate / comparison.simulated_s - 1):+.1f} %",
     ]
     return f"| {' | '.join(cells)} |"
 

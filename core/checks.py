@@ -18,6 +18,8 @@ _HINTS = {
     Feature.BRIM: "make the brim narrower",
     Feature.RAFT: "make the raft smaller",
     Feature.SKIRT: "lower skirt_distance or set skirts to 0",
+    Feature.SUPPORT: "turn the object, move it to the middle or switch support_enable off",
+    Feature.SUPPORT_INTERFACE: "turn the object, move it to the middle or switch support_enable off",
 }
 
 
@@ -40,10 +42,14 @@ def check(moves: Moves, settings: PrintSettings) -> None:
 
 def check_numbers(moves: Moves) -> None:
     """Every number of every move is finite, every speed above 0."""
-    for column, what in ((moves.position, "place"), (moves.filament, "amount of filament"), (moves.speed, "speed")):
+    for column, what in (
+        (moves.position, "a place"),
+        (moves.filament, "an amount of filament"),
+        (moves.speed, "a speed"),
+    ):
         if not np.isfinite(column).all():
             raise PrintError(
-                f"a move has a {what} that is not a number", "check the mesh and the settings for extreme values"
+                f"a move has {what} that is not a number", "check the mesh and the settings for extreme values"
             )
     if len(moves.speed) and moves.speed.min() <= 0:
         raise PrintError("a move has no speed", "check the settings for extreme values")
@@ -58,10 +64,16 @@ def check_reach(moves: Moves, printer: PrinterProfile) -> None:
     least, most = (np.array(corner) for corner in (printer.reach_min, printer.reach_max))
     if (low < least - _ROUNDING_MM).any() or (high > most + _ROUNDING_MM).any():
         raise _out_of_reach(moves, low, high, least, most)
-    bed_low, bed_high = (np.array(corner) for corner in (printer.bed_min, printer.bed_max))
-    lowest, highest = bounds(moves.position)
-    if (lowest < bed_low).any() or (highest > bed_high).any():
-        raise MeshError("the nozzle would travel beyond the bed", "lower z_hop or the height of the object")
+    for tool in (0, 1):
+        low, high = bounds(moves.position, moves.tool == tool)
+        bed_high = np.array(printer.bed_max)
+        bed_high[0] = min(bed_high[0], printer.reach_x_max[tool])
+        if low[2] < printer.bed_min[2]:
+            raise MeshError(f"tool {tool} would run into the bed", "set center_on_bed")
+        if high[2] > bed_high[2]:
+            raise MeshError("the nozzle would be lifted too high", "lower z_hop or the height of the object")
+        if (low < np.array(printer.bed_min)).any() or (high > bed_high).any():
+            raise MeshError(f"tool {tool} would travel farther than it reaches", "move the object to the middle")
 
 
 def _out_of_reach(moves: Moves, low: FloatArray, high: FloatArray, least: FloatArray, most: FloatArray) -> MeshError:

@@ -64,13 +64,13 @@ class DUALCOLOR_PT_presets(ObjectPanel, bpy.types.Panel):
         column = self.layout.column()
         for kind in KINDS:
             chosen = chosen_presets(kind, group)
-            labels = [preset.label for name, preset in presets_of(kind).items() if preset and name in chosen]
+            own = [name for name in chosen if is_own(kind, name)]
+            labels = [preset.label for name, preset in presets_of(kind).items() if preset and name in (own or chosen)]
             row = column.split(factor=0.25)
             row.label(text=kind.title())
             row = row.row(align=True)
             row.menu(f"DUALCOLOR_MT_{kind}_presets", text=" + ".join(labels) or "Custom")
             row.operator(DUALCOLOR_OT_save_preset.bl_idname, text="", icon="ADD").kind = kind
-            own = [name for name in chosen if is_own(kind, name)]
             remove = row.row(align=True)
             remove.enabled = bool(own)
             button = remove.operator(DUALCOLOR_OT_remove_preset.bl_idname, text="", icon="REMOVE")

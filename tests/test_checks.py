@@ -30,13 +30,17 @@ def test_a_sound_print_passes():
     ("moves", "error", "words"),
     [
         (broken("position", [0, np.nan, 1]), PrintError, "a place that is not a number: check"),
-        (broken("filament", np.inf), PrintError, "an? amount of filament that is not a number: check"),
+        (broken("filament", np.inf), PrintError, "a move has an amount of filament that is not a number: check"),
         (broken("speed", np.nan), PrintError, "a speed that is not a number: check"),
         (broken("speed", 0.0), PrintError, "a move has no speed: check"),
         (broken("position", [105.1, 0, 0.25]), MeshError, "takes 1.. × .* more than both nozzles reach|lies beside"),
         (broken("position", [0, -73.1, 0.25]), MeshError, "both nozzles reach"),
         (broken("position", [0, 0, 150.1]), MeshError, "more than both nozzles reach .*: scale"),
-        (broken("position", [130, 0, 1], row=0), MeshError, "travel beyond the bed: "),
+        (broken("position", [124, 0, 1], row=0), MeshError, "tool 0 would travel farther than it reaches: move"),
+        (broken("position", [0, 77, 1], row=0), MeshError, "tool 0 would travel farther than it reaches: move"),
+        (broken("position", [118, 0, 1], row=-1), MeshError, "tool 1 would travel farther than it reaches: move"),
+        (broken("position", [0, 0, 156], row=0), MeshError, "lifted too high: lower z_hop"),
+        (broken("position", [0, 0, -0.1], row=0), MeshError, "tool 0 would run into the bed: set"),
     ],
 )
 def test_findings_stop_the_print(moves, error, words):
@@ -46,12 +50,62 @@ def test_findings_stop_the_print(moves, error, words):
     assert "\n" not in str(caught.value)
 
 
-def test_what_surrounds_the_object_is_named():
+def test_tool_0_reaches_farther_to_the_right_than_tool_1():
+    check(broken("position", [118, 0, 1], row=0), SETTINGS)
+
+
+SURROUNDINGS = {
+    Feature.TOWER: r"the tower leaves what both nozzles reach .*: set tower_type to none",
+    Feature.OOZE_SHIELD: r"the ooze shield leaves .*: lower the distance of the ooze shield",
+    Feature.BRIM: r"the brim leaves .*: make the brim narrower",
+    Feature.RAFT: r"the raft leaves .*: make the raft smaller",
+    Feature.SKIRT: r"the skirt leaves .*: lower skirt_distance or set skirts to 0",
+    Feature.SUPPORT: r"the support leaves .*: turn the object, move it",
+    Feature.SUPPORT_INTERFACE: r"the support interface leaves .*: turn the object, move it",
+}
+
+
+@pytest.mark.parametrize("feature", SURROUNDINGS)
+def test_what_surrounds_the_object_is_named(feature):
     moves = rosette(2, 100)
-    tower = moves.feature == Feature.TOWER
-    moves.position[np.flatnonzero(tower), 0] += 100
-    with pytest.raises(MeshError, match=r"the tower leaves what both nozzles reach .*: set tower_type to none"):
+    tower = np.flatnonzero(moves.feature == Feature.TOWER)
+    moves.feature[tower] = feature
+    moves.position[tower, 0] += 80
+    with pytest.raises(MeshError, match=SURROUNDINGS[feature]) as caught:
         check(moves, SETTINGS)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"brim_width": 8}, "the brim leaves"),
+        ({"raft_layers": 3, "raft_margin": 8}, "the raft leaves"),
+        ({"ooze_shield": True, "ooze_shield_distance": 9}, "the ooze shield leaves"),
+        ({"tower_type": "w"}, "no room for the cleaning tower|the tower leaves"),
+        ({}, ""),
+    ],
+)
+def test_what_does_not_fit_around_a_large_object(changes, words):
+    settings = SETTINGS.changed({"tower_type": "none", "skirts": 0, **changes})
+    large = box((-98, -67, 0), (98, 67, 0.75))
+    if not words:
+        generate(large, settings)
+        return
+    with pytest.raises(MeshError, match=words) as caught:
+        generate(large, settings)
+    assert caught.value.hint
+
+
+def test_what_is_off_the_bed_or_too_large():
+    beside = box((60, -10, 0), (110, 10, 1))
+    generate(beside, SETTINGS)
+    with pytest.raises(MeshError, match=r"lies beyond .*: move it or turn on center_on_bed"):
+        generate(beside, SETTINGS.changed({"center_on_bed": False}))
+    with pytest.raises(MeshError, match=r"larger than .*: turn it by 90°"):
+        generate(box((0, 0, 0), (100, 180, 1)), SETTINGS)
+    with pytest.raises(MeshError, match=r"larger than .*: check its scale and unit"):
+        generate(box((0, 0, 0), (10, 10, 151)), SETTINGS)
 
 
 def test_a_print_beside_the_bed_is_moved_not_scaled():

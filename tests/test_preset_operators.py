@@ -78,7 +78,7 @@ def removable(obj):
 
 
 def test_each_kind_has_a_menu_that_names_what_is_chosen(block):
-    assert menus(block)["DUALCOLOR_MT_printer_presets"] == "MakerBot Replicator 2X"
+    assert menus(block)["DUALCOLOR_MT_printer_presets"] == "Replicator 2X"
     assert menus(block)["DUALCOLOR_MT_quality_presets"] == "Standard, 0.25 mm"
     assert len(menus(block)) == len(KINDS) == 4
     block.dualcolor.layer_height = 0.17
@@ -107,6 +107,9 @@ def test_own_presets_come_and_go(block, tmp_path):
     assert json.loads((tmp_path / "presets/quality/Draft.json").read_text())["settings"]["layer_height"] == 0.3
     assert menus(block)["DUALCOLOR_MT_quality_presets"] == "Draft"
     assert entries("quality", block)[-2:][0] == "---"
+    bpy.ops.dualcolor.save_preset(kind="pattern", name="Same as another")
+    assert menus(block)["DUALCOLOR_MT_pattern_presets"] == "Same as another"
+    bpy.ops.dualcolor.remove_preset(kind="pattern", name="Same as another")
     assert removable(block) == {"quality": "Draft"}
     bpy.ops.dualcolor.reset_settings()
     assert removable(block) == {}

@@ -5,6 +5,7 @@ import pytest
 from dualcolor.core.errors import PrintError
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
+from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics import print_time
 from dualcolor.core.toolpaths.moves import Moves
@@ -15,7 +16,7 @@ from dualcolor.core.x3g.writer import x3g_bytes
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, rosette, table
 from dualcolor.tests.real_models import obj_model
-from dualcolor.tests.x3g_simulation import simulated_seconds
+from dualcolor.tests.x3g_simulation import print_seconds
 
 STEPS_PER_MM = np.array([88.888889, 88.888889, 400, 96.275201870, 96.275201870])
 
@@ -84,11 +85,19 @@ def test_real_mesh_equals_gpx_and_passes_the_audit(spot, tmp_path):
 
 def test_estimate_agrees_with_a_simulation_of_the_file(spot):
     for moves in (spot, rosette(6, 400)):
-        commands = read_x3g(x3g_bytes(moves, SETTINGS))
-        y = commands.steps[:, 1] / STEPS_PER_MM[1]
-        begin = int(np.flatnonzero(commands.moves & (y < -71.9))[-1]) + 1  # behind the priming lines
-        end = int(np.flatnonzero(commands.code == Command.SWITCH_AXES)[0])
-        assert print_time(moves, SETTINGS)["total"] == pytest.approx(simulated_seconds(commands, begin, end), rel=0.02)
+        simulated = print_seconds(read_x3g(x3g_bytes(moves, SETTINGS)))
+        assert print_time(moves, SETTINGS)["total"] == pytest.approx(simulated, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "preset"),
+    [("cat-low-resolution", "set_back"), ("koala_low_resolution", "paper"), ("nc/gargoyle", "set_back")],
+)
+def test_estimate_of_real_meshes_agrees_too(data, mesh, preset):
+    settings = PrintSettings(support_enable=True).changed(preset_values([preset]))
+    moves = generate(obj_model(data / "meshes" / f"{mesh}.obj", 10.0), settings).moves
+    estimate, simulated = print_time(moves, settings)["total"], print_seconds(read_x3g(x3g_bytes(moves, settings)))
+    assert estimate == pytest.approx(simulated, rel=0.05)
 
 
 def test_file_says_what_the_moves_say():

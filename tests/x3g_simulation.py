@@ -4,96 +4,71 @@ It shares nothing with the program's estimate but the limits of the printer. A w
 each move is begun only as fast as the 15 behind it allow the printer to stop in; then it is driven and forgotten.
 """
 
-from collections import deque
-from dataclasses import dataclass
-from math import inf, sqrt
+from math import sqrt
 
+import numpy as np
 from dualcolor.core.x3g.commands import Command
 
-STEPS_PER_MM = (88.888889, 88.888889, 400.0, 96.2752, 96.2752)
-ACCELERATION = (1000.0, 1000.0, 150.0, 2000.0, 2000.0)
-SPEED_CHANGE = (15.0, 15.0, 10.0, 20.0, 20.0)
+STEPS_PER_MM = np.array([88.888889, 88.888889, 400.0, 96.2752, 96.2752])
+ACCELERATION = np.array([1000.0, 1000.0, 150.0, 2000.0, 2000.0])
+SPEED_CHANGE = np.array([15.0, 15.0, 10.0, 20.0, 20.0])
 NOZZLE_DISTANCE = 35.0
 WINDOW = 16
+PRIMED_Y = -71.9  # nothing that a test prints lies so far in front
 
 
-@dataclass
-class Block:
-    direction: tuple
-    length: float
-    speed: float
-    acceleration: float
-    entry: float  # mm/s, greatest at which it may be entered, whatever follows
-
-
-def block(way_steps, length, speed, before):
-    direction = tuple(steps / per_mm / length for steps, per_mm in zip(way_steps, STEPS_PER_MM, strict=True))
-    acceleration = min(
-        (most / abs(part) for most, part in zip(ACCELERATION, direction, strict=True) if part), default=inf
-    )
-    return Block(direction, length, speed, acceleration, corner_speed(before, direction, speed))
-
-
-def corner_speed(before, direction, speed):
-    """The speed that both moves may have without any axis changing its own by more than it can at once."""
-    if before is None:
-        return 0.0
-    fastest = min(before.speed, speed)
-    for change, old, new in zip(SPEED_CHANGE, before.direction, direction, strict=True):
-        if old != new:
-            fastest = min(fastest, change / abs(new - old))
-    return fastest
-
-
-def entry_of_second(window):
-    """The speed at which the window's second move may begin so that the last one can still end at rest."""
-    speed = 0.0
-    for index in range(len(window) - 1, 0, -1):
-        move = window[index]
-        speed = min(move.entry, sqrt(speed * speed + 2 * move.acceleration * move.length))
-    return speed
-
-
-def drive(move, begin, end):
-    """Seconds from one speed to another, and the speed that is really reached at the end."""
-    a, way = move.acceleration, move.length
-    end = min(end, sqrt(begin * begin + 2 * a * way))
-    peak = min(move.speed, sqrt((begin * begin + end * end + 2 * a * way) / 2))
-    peak = max(peak, begin, end)
-    ramps = (2 * peak * peak - begin * begin - end * end) / (2 * a)
-    return (2 * peak - begin - end) / a + max(way - ramps, 0.0) / peak, end
-
-
-def seconds_of(blocks):
-    """Seconds of moves that are planned together, from rest to rest."""
-    window, speed, total = deque(), 0.0, 0.0
-    for move in blocks:
-        window.append(move)
-        if len(window) == WINDOW:
-            spent, speed = drive(window[0], speed, entry_of_second(window))
-            total += spent
-            window.popleft()
-    while window:
-        spent, speed = drive(window[0], speed, entry_of_second(window))
-        total += spent
-        window.popleft()
-    return total
+def print_seconds(commands):
+    """Seconds from the first move behind the priming lines to the end, where the filaments' motors are let go."""
+    end = int(np.flatnonzero(commands.code == Command.SWITCH_AXES)[0])
+    in_front = commands.moves & (commands.steps[:, 1] / STEPS_PER_MM[1] < PRIMED_Y)
+    return simulated_seconds(commands, int(np.flatnonzero(in_front[:end])[-1]) + 1, end)
 
 
 def simulated_seconds(commands, first=0, last=None):
     """Seconds that the commands from `first` up to `last` move; the printer rests at every tool change."""
-    way = commands.way
-    total, blocks = 0.0, []
-    for row in range(first, len(commands.code) if last is None else last):
-        code = commands.code[row]
-        if code == Command.MOVE:
-            blocks.append(
-                block(way[row].tolist(), commands.distance[row], commands.speed[row], blocks[-1] if blocks else None)
-            )
-        elif code == Command.CHANGE_TOOL:
-            total += seconds_of(blocks)
-            blocks = []
-        elif code == Command.MOVE_UNPLANNED:  # to where the nozzle is, but as seen from the other one
-            interval_us = int.from_bytes(commands.data[commands.offset[row] + 21 :][:4].tobytes(), "little")
-            total += NOZZLE_DISTANCE * STEPS_PER_MM[0] * interval_us / 1e6
-    return total + seconds_of(blocks)
+    rows = np.arange(first, len(commands.code) if last is None else last)
+    changes = rows[commands.code[rows] == Command.CHANGE_TOOL]
+    total = 0.0
+    for part in np.split(rows, np.searchsorted(rows, changes)):
+        total += seconds_of(*blocks(commands, part[commands.code[part] == Command.MOVE]))
+    for row in rows[commands.code[rows] == Command.MOVE_UNPLANNED].tolist():
+        # To where the nozzle is, but as seen from the other one.
+        interval_us = int.from_bytes(commands.data[commands.offset[row] + 21 :][:4].tobytes(), "little")
+        total += NOZZLE_DISTANCE * float(STEPS_PER_MM[0]) * interval_us / 1e6
+    return total
+
+
+def blocks(commands, rows):
+    """For moves that are planned together: mm, mm/s, mm/s² and the speed at which each may be entered at most."""
+    length, speed = commands.distance[rows], commands.speed[rows]
+    direction = commands.way[rows] / STEPS_PER_MM / length[:, None]
+    with np.errstate(divide="ignore"):
+        acceleration = (ACCELERATION / np.abs(direction)).min(axis=1)
+        # In a corner no axis may change its own speed by more than it can at once.
+        corner = (SPEED_CHANGE / np.abs(np.diff(direction, axis=0))).min(axis=1)
+    entry = np.zeros(len(rows))
+    entry[1:] = np.minimum(corner, np.minimum(speed[1:], speed[:-1]))
+    return [column.tolist() for column in (length, speed, acceleration, entry)]
+
+
+def seconds_of(length, speed, acceleration, entry):
+    """Seconds of moves that are planned together, from rest to rest."""
+    count, now, total = len(length), 0.0, 0.0
+    gain = [2 * a * way for a, way in zip(acceleration, length, strict=True)]
+    for move in range(count):
+        # The speed at which the next move may begin so that the last one in the window can still end at rest.
+        following = 0.0
+        for index in range(min(move + WINDOW, count) - 1, move, -1):
+            following = min(entry[index], sqrt(following * following + gain[index]))
+        spent, now = drive(length[move], speed[move], acceleration[move], now, following)
+        total += spent
+    return total
+
+
+def drive(way, speed, a, begin, end):
+    """Seconds from one speed to another, and the speed that is really reached at the end."""
+    end = min(end, sqrt(begin * begin + 2 * a * way))
+    peak = min(speed, sqrt((begin * begin + end * end + 2 * a * way) / 2))
+    peak = max(peak, begin, end)
+    ramps = (2 * peak * peak - begin * begin - end * end) / (2 * a)
+    return (2 * peak - begin - end) / a + max(way - ramps, 0.0) / peak, end
