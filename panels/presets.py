@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from ..bridge import preset_folder
@@ -37,9 +39,8 @@ def presets_of(kind: str) -> dict[str, Preset | None]:
     return found
 
 
-def chosen_presets(kind: str, group: bpy.types.PropertyGroup) -> list[str]:
-    """Names of the presets of a kind whose settings an object has."""
-    values = values_of(group)
+def chosen_presets(kind: str, values: dict[str, Any]) -> list[str]:
+    """Names of the presets of a kind whose settings are among these."""
     return [name for name, preset in presets_of(kind).items() if preset and agrees(preset, values)]
 
 
@@ -60,10 +61,10 @@ class DUALCOLOR_PT_presets(ObjectPanel, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """A row a kind: the chosen preset, save, remove."""
-        group = source_of(context.object).dualcolor
+        values = values_of(source_of(context.object).dualcolor)
         column = self.layout.column()
         for kind in KINDS:
-            chosen = chosen_presets(kind, group)
+            chosen = chosen_presets(kind, values)
             own = [name for name in chosen if is_own(kind, name)]
             labels = [preset.label for name, preset in presets_of(kind).items() if preset and name in (own or chosen)]
             row = column.split(factor=0.25)
@@ -92,7 +93,7 @@ class DUALCOLOR_MT_settings(bpy.types.Menu):
 
 def _preset_menu(kind: str) -> type[bpy.types.Menu]:
     def draw(self: bpy.types.Menu, context: bpy.types.Context) -> None:
-        chosen = chosen_presets(kind, source_of(context.object).dualcolor)
+        chosen = chosen_presets(kind, values_of(source_of(context.object).dualcolor))
         found = presets_of(kind)
         first_own = next((name for name in found if is_own(kind, name)), "")
         for name, preset in found.items():

@@ -1,0 +1,42 @@
+"""`dualcolor audit`: whether an X3G file can be printed without watching it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ..core.errors import PrintError
+from ..core.outputs import OutputFiles
+from ..core.printer import printer_names, printer_profile
+from ..core.x3g.audit import audit
+from ..core.x3g.reader import read_x3g
+
+NAME = "audit"
+HELP = "look for faults in an X3G file before it is printed"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("file", type=Path, metavar="F.x3g", help="file of this program or of GPX")
+    parser.add_argument("--printer", choices=printer_names(), default="replicator_2x", help="that it is for (default: "
+                        "replicator_2x)")  # fmt: skip
+
+
+def outputs(args: argparse.Namespace) -> dict[str, Path]:
+    """No files are written."""
+    return {}
+
+
+def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+    """Read the file and say that nothing is wrong with it.
+
+    Raises:
+        PrintError: something is, or the file cannot be read or is damaged.
+    """
+    try:
+        commands = read_x3g(args.file.read_bytes())
+    except OSError as problem:
+        raise PrintError(f"{args.file} cannot be read", problem.strerror or "choose another file") from None
+    if findings := audit(commands, printer_profile(args.printer)):
+        raise PrintError(f"{args.file.name} must not be printed", "; ".join(findings))
+    return [f"{args.file.name}: {int(commands.moves.sum()):,} moves, no faults found"]
