@@ -13,7 +13,7 @@ from .operators.generate import DUALCOLOR_OT_generate
 from .operators.import_print import DUALCOLOR_OT_import_print
 from .operators.painting import OPERATORS as PAINTING_OPERATORS
 from .operators.presets import OPERATORS as PRESET_OPERATORS
-from .operators.render import DUALCOLOR_OT_render_prediction
+from .operators.render import OPERATORS as RENDER_OPERATORS
 from .operators.supports import DUALCOLOR_OT_mark_support, DUALCOLOR_OT_select_support
 from .operators.unwrap import OPERATORS as UNWRAP_OPERATORS
 from .panels.prepare import DUALCOLOR_PT_paint, DUALCOLOR_PT_prepare
@@ -26,7 +26,7 @@ CLASSES = (
     DUALCOLOR_OT_export_gcode,
     DUALCOLOR_OT_export_x3g,
     DUALCOLOR_OT_import_print,
-    DUALCOLOR_OT_render_prediction,
+    *RENDER_OPERATORS,
     DUALCOLOR_OT_mark_support,
     DUALCOLOR_OT_select_support,
     *PRESET_OPERATORS,

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ..core.beads import Strands, settled, split_by_roundness, strands
+from ..core.beads import Strands, offsets, settled, split_by_roundness, strands
+from ..core.errors import PrintError
 from ..core.model import FloatArray, IntArray, TriangleMesh
+from ..core.tubes import Rods
 from .mesh_input import evaluated_mesh
 from .plastics import plastic
 from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers
@@ -64,6 +66,7 @@ def build_preview(
         collection[SOURCE_KEY] = source
         collection[_COMPANIONS_KEY] = {str(number): other for number, other in enumerate(companions)}
         show_print(source, True)
+    bpy.context.view_layer.update()  # without it new objects do not know their place in the world
     return collection
 
 
@@ -246,6 +249,25 @@ def _bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> Fl
     matrix = np.array(source.matrix_world)
     world = local.reshape(-1, 3)[np.unique(corners)] @ matrix[:3, :3].T + matrix[:3, 3]
     return world.min(axis=0) * unit - mesh.bounds_of(0)[0]
+
+
+def rods_of(collection: bpy.types.Collection) -> Rods:
+    """The shape of the strands of a preview in world coordinates, mm.
+
+    Raises:
+        PrintError: there are none.
+    """
+    unit = mm_per_unit(bpy.context.scene)
+    parts = []
+    for shown in [held for held in collection.objects if held.get(STRANDS_KEY)]:
+        points, counts, radius, _ = read_strands(shown)
+        matrix = np.array(shown.matrix_world)
+        world = (points @ matrix[:3, :3].T + matrix[:3, 3]) * unit
+        across = radius * (unit * np.linalg.norm(matrix[:3, 0]))
+        parts.append(Rods(world, offsets(counts), across, radius * (unit * np.linalg.norm(matrix[:3, 2]))))
+    if not parts:
+        raise PrintError("there are no strands", "generate the toolpath first")
+    return Rods.joined(parts)
 
 
 def read_strands(shown: bpy.types.Object) -> tuple[FloatArray, IntArray, FloatArray, dict[str, IntArray]]:

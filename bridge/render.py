@@ -1,26 +1,38 @@
-"""A Cycles picture of the predicted print, taken in a small studio that is gone afterwards."""
+"""Cycles pictures of the predicted print, taken in a small studio that is gone afterwards."""
 
 from __future__ import annotations
 
-import math
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
 
 import bpy
 import numpy as np
 from mathutils import Matrix
+from PIL import Image
 
 from ..core.errors import OutputError, PrintError
 from ..core.files import write_file
-from ..core.model import FloatArray
+from ..core.model import FloatArray, SurfaceModel
 from ..core.toolpaths.moves import Feature
+from ..core.viewing import Picture
 from .curves import STRANDS_KEY, new_curves, read_strands, set_drawing
-from .studio import add_backdrop, add_camera, add_lights, camera_axes
+from .painted import painted_model
+from .studio import Studio
+from .units import mm_per_unit
 
-BESIDE_THE_OBJECT = (Feature.TOWER, Feature.SKIRT, Feature.SUPPORT, Feature.SUPPORT_INTERFACE)
+BESIDE_THE_OBJECT = (
+    Feature.TOWER,
+    Feature.SKIRT,
+    Feature.SUPPORT,
+    Feature.SUPPORT_INTERFACE,
+    Feature.BRIM,
+    Feature.RAFT,
+    Feature.OOZE_SHIELD,
+)
 STUDIO_SIZE = 100.0
 
 
@@ -50,21 +62,93 @@ def render_prediction(
     """
     if not Path(path).absolute().parent.is_dir():
         raise OutputError(f"{path} cannot be written, its folder does not exist", "choose another path")
-    with leaving_no_trace(), tempfile.TemporaryDirectory() as folder:
+    with photographer(collection, resolution, samples, whole_plate) as camera:
+        write_file(path, camera.file(azimuth_deg, elevation_deg))
+
+
+class Photographer:
+    """Strands in the studio; made by `photographer`.
+
+    Attributes:
+        mm_per_pixel: at the middle of the object, of the latest picture.
+    """
+
+    def __init__(self, scene: bpy.types.Scene, studio: Studio, painted: bpy.types.Object | None, mm: float) -> None:
+        self._scene, self._studio, self._painted, self._mm = scene, studio, painted, mm
+        self._strands = [held for held in scene.objects if held.type == "CURVES"]
+        self.mm_per_pixel = 0.0
+
+    def file(self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False) -> bytes:
+        """A picture as a PNG file.
+
+        Args:
+            azimuth_deg: where the camera stands: 0 in front (-Y), positive to the right of it.
+            elevation_deg: how far above the horizon it stands.
+            steady: from the same distance whatever the azimuth.
+            painted: of the model with its own tones, instead of its strands.
+
+        Raises:
+            ValueError: the model was not given.
+        """
+        if painted and self._painted is None:
+            raise ValueError("the photographer was not given the model")
+        self.mm_per_pixel = self._mm * self._studio.look(azimuth_deg, elevation_deg, steady)
+        for held in self._strands:
+            held.hide_render = painted
+        if self._painted:
+            self._painted.hide_render = not painted
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "picture.png"
+            self._scene.render.filepath = str(path)
+            bpy.ops.render.render(write_still=True, scene=self._scene.name)
+            return path.read_bytes()
+
+    def picture(
+        self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False
+    ) -> Picture:
+        """(H, W, 3) uint8 what `file` writes."""
+        data = self.file(azimuth_deg, elevation_deg, steady=steady, painted=painted)
+        with Image.open(BytesIO(data)) as image:
+            return np.asarray(image.convert("RGB"))
+
+
+@contextmanager
+def photographer(
+    collection: bpy.types.Collection,
+    resolution: tuple[int, int],
+    samples: int,
+    whole_plate: bool = False,
+    model: SurfaceModel | None = None,
+    background: float = 0.5,
+) -> Iterator[Photographer]:
+    """The strands of a preview set up in a scene of their own that is gone afterwards; nothing else is changed.
+
+    Args:
+        collection: made by `build_preview`.
+        resolution: width and height in pixels.
+        samples: of each pixel at most; even surfaces get as few as 8.
+        whole_plate: with the cleaning tower, the skirt and the supports; otherwise the object alone.
+        model: what the strands were made from, to be shown with its own tones.
+        background: tone where nothing is painted on the model.
+
+    Raises:
+        PrintError: there are no strands to show.
+    """
+    unit = mm_per_unit(bpy.context.scene)
+    with leaving_no_trace():
         scene = bpy.data.scenes.new("Predicted Print")
-        points = _copy_strands(collection, scene, whole_plate)
-        axes = camera_axes(math.radians(azimuth_deg), math.radians(elevation_deg))
-        add_camera(scene, points, axes, resolution)
-        add_backdrop(scene, points, axes)
-        add_lights(scene, axes)
-        picture = Path(folder) / "picture.png"
-        _set_output(scene, picture, resolution, samples)
-        bpy.ops.render.render(write_still=True, scene=scene.name)
-        write_file(path, picture.read_bytes())
+        points, factor = _copy_strands(collection, scene, whole_plate)
+        painted = painted_model(model, background, factor / unit) if model else None
+        if painted:
+            scene.collection.objects.link(painted)
+        _set_output(scene, resolution, samples)
+        yield Photographer(scene, Studio(scene, points, resolution), painted, unit / factor)
 
 
-def _copy_strands(collection: bpy.types.Collection, scene: bpy.types.Scene, whole_plate: bool) -> FloatArray:
-    """Put copies of the wanted strands into the scene and return (N, 3) points of them all in world coordinates.
+def _copy_strands(
+    collection: bpy.types.Collection, scene: bpy.types.Scene, whole_plate: bool
+) -> tuple[FloatArray, float]:
+    """Put copies of the wanted strands into the scene; (N, 3) all their points there, and the scale of the copies.
 
     The copies are scaled to one size, for rods of a tenth of a millimetre in a scene of metres are too thin for the
     renderer's single precision: it would add specks of light.
@@ -90,27 +174,35 @@ def _copy_strands(collection: bpy.types.Collection, scene: bpy.types.Scene, whol
         matrix[:3, 3] *= factor
         copy.matrix_world = Matrix(matrix.tolist())
         scene.collection.objects.link(copy)
-    return np.concatenate(world) * factor
+    return np.concatenate(world) * factor, factor
 
 
-def _set_output(scene: bpy.types.Scene, path: Path, resolution: tuple[int, int], samples: int) -> None:
+def _set_output(scene: bpy.types.Scene, resolution: tuple[int, int], samples: int) -> None:
     render = scene.render
-    render.engine = "CYCLES"
-    render.filepath, render.image_settings.file_format = str(path), "PNG"
-    render.image_settings.color_mode = "RGB"
+    render.engine, render.use_persistent_data = "CYCLES", True
+    render.image_settings.file_format, render.image_settings.color_mode = "PNG", "RGB"
     render.resolution_x, render.resolution_y = resolution
     render.resolution_percentage = 100
     render.use_compositing = render.use_sequencer = False
     scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
     set_drawing(scene)
     cycles = scene.cycles
-    cycles.device, cycles.samples = "CPU", samples
+    cycles.device, cycles.samples = _device(), samples
     cycles.use_adaptive_sampling, cycles.adaptive_threshold, cycles.adaptive_min_samples = True, 0.1, 8
     cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 4, 2
     try:
         cycles.denoiser, cycles.use_denoising = "OPENIMAGEDENOISE", True
     except TypeError:  # this build of Blender has no denoiser, and so no such name in the list
         cycles.use_denoising = False
+
+
+def _device() -> str:
+    """GPU if the preferences of Cycles offer one, otherwise CPU."""
+    addon = bpy.context.preferences.addons.get("cycles")
+    chosen = addon.preferences if addon else None
+    if chosen is None or getattr(chosen, "compute_device_type", "NONE") == "NONE":
+        return "CPU"
+    return "GPU" if any(device.use and device.type != "CPU" for device in chosen.devices) else "CPU"
 
 
 @contextmanager

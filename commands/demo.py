@@ -8,12 +8,13 @@ from pathlib import Path
 from ..core.errors import OutputError
 from ..core.outputs import OutputFiles
 from .arguments import add_settings, chosen_settings
+from .pictures import add_pictures, picture_options, picture_outputs
 from .produce import produce
 from .terminal import Progress, summary
 
 NAME = "demo"
 HELP = "print a sample that the program makes itself: Suzanne in a calico coat"
-SUFFIXES = {"gcode": ".gcode", "x3g": ".x3g", "blend": ".blend", "render": ".png", "report": ".json"}
+SUFFIXES = {"gcode": ".gcode", "x3g": ".x3g", "blend": ".blend", "report": ".json"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,6 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder of the files (default: "
                         "out)")  # fmt: skip
     add_settings(parser)
+    add_pictures(parser, named=False)
 
 
 def outputs(args: argparse.Namespace) -> dict[str, Path]:
@@ -33,7 +35,8 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
         args.out.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
-    return {kind: args.out / f"suzanne{suffix}" for kind, suffix in SUFFIXES.items()}
+    named = {kind: args.out / f"suzanne{suffix}" for kind, suffix in SUFFIXES.items()}
+    return named | picture_outputs(args, args.out / "suzanne.png", None)
 
 
 def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
@@ -49,4 +52,4 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     with quiet_stdout(), Progress() as progress:
         progress.show(0.0, "making the sample")
         obj = make_sample()
-    return summary(produce(obj, None, settings, paths, files))
+    return summary(produce(obj, None, settings, paths, files, picture_options(args)))

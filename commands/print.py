@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 
 from ..core.outputs import OutputFiles
-from .arguments import add_settings, chosen_outputs, chosen_settings, positive
-from .produce import OUTPUTS, add_outputs, produce
+from .arguments import add_settings, chosen_settings, positive
+from .pictures import picture_options
+from .produce import add_outputs, named_outputs, produce
 from .terminal import summary
 
 NAME = "print"
@@ -30,8 +31,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def outputs(args: argparse.Namespace) -> dict[str, Path]:
-    """The files that are to be written."""
-    return chosen_outputs(args, OUTPUTS)
+    """The files that are to be written.
+
+    Raises:
+        OutputError: views are named, but no file for them.
+    """
+    return named_outputs(args)
 
 
 def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
@@ -51,4 +56,4 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
             unwrap(obj, args.unwrap)
         image = load_image(args.texture) if args.texture else None
-    return summary(produce(obj, image, settings, paths, files))
+    return summary(produce(obj, image, settings, paths, files, picture_options(args)))

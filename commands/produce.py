@@ -10,15 +10,18 @@ from typing import TYPE_CHECKING
 from ..core.outputs import OutputFiles
 from ..core.presets import settings_json
 from ..core.settings import PrintSettings
-from .arguments import path_ending_in
+from ..core.viewing import PictureOptions
+from .arguments import chosen_outputs, path_ending_in
+from .pictures import PREFIX, add_pictures, picture_outputs
 from .terminal import Progress
 
 if TYPE_CHECKING:
     import bpy
 
+    from ..core.model import SurfaceModel
     from ..core.pipeline import DualColorPrint
 
-OUTPUTS = ("gcode", "x3g", "blend", "render", "report", "dump", "save_settings")
+OUTPUTS = ("gcode", "x3g", "blend", "mesh", "report", "dump", "save_settings")
 
 
 def add_outputs(parser: argparse.ArgumentParser) -> None:
@@ -28,12 +31,22 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
     outputs.add_argument("--x3g", type=Path, metavar="F.x3g", help="what the Replicator 2X reads from its card")
     outputs.add_argument("--blend", type=path_ending_in(".blend"), metavar="F.blend", help="Blender file with the "
                          "model and its strands")  # fmt: skip
-    outputs.add_argument("--render", type=path_ending_in(".png"), metavar="F.png", help="picture of the predicted "
-                         "print, by Cycles")  # fmt: skip
+    outputs.add_argument("--mesh", type=path_ending_in(".stl", ".obj"), metavar="F.stl|F.obj", help="mesh of the "
+                         "predicted print, every strand a closed tube")  # fmt: skip
     outputs.add_argument("--report", type=Path, metavar="F.json", help="figures of the print")
     outputs.add_argument("--save-settings", type=Path, metavar="F.json", help="all settings, for --settings")
     outputs.add_argument("--dump", type=path_ending_in(".npz"), metavar="F.npz", help="outlines, waves and tones for "
                          "checks")  # fmt: skip
+    add_pictures(outputs)
+
+
+def named_outputs(args: argparse.Namespace) -> dict[str, Path]:
+    """The path of each kind of output that the user named.
+
+    Raises:
+        OutputError: views are named, but no file for them.
+    """
+    return chosen_outputs(args, OUTPUTS) | picture_outputs(args, args.render, args.contact_sheet)
 
 
 def produce(
@@ -42,6 +55,7 @@ def produce(
     settings: PrintSettings,
     paths: dict[str, Path],
     files: OutputFiles,
+    pictures: PictureOptions,
 ) -> DualColorPrint:
     """Compute the print of an object, then write what was asked for.
 
@@ -49,14 +63,16 @@ def produce(
         obj: the mesh object.
         image: a picture instead of the object's own, or None.
         settings: of the print.
-        paths: the path of each kind of output that is wanted, by a name of `OUTPUTS`.
+        paths: the path of each kind of output that is wanted, by a name of `OUTPUTS` or a picture's.
         files: where they are staged.
+        pictures: how pictures are taken.
 
     Raises:
         PrintError: the input cannot be printed, or a file cannot be written.
     """
     import bpy
 
+    from ..bridge.curves import build_preview
     from ..bridge.mesh_input import surface_model
     from ..bridge.quiet import quiet_stdout
     from ..core import pipeline
@@ -65,30 +81,51 @@ def produce(
     with Progress() as progress:
         result = pipeline.generate(model, settings, progress.show)
         with quiet_stdout():
-            return _write(result, obj, paths, files, progress)
+            result = _write(result, paths, files, progress)
+            if strands_wanted(paths):
+                progress.show(1.0, "building the strands")
+                save_strands(build_preview(result, obj), paths, files, pictures, progress, model, settings)
+    return result
 
 
-def save_preview(strands: bpy.types.Collection, paths: dict[str, Path], files: OutputFiles, progress: Progress) -> None:
-    """Save the scene with its strands, and render them, as far as asked for."""
+def strands_wanted(paths: dict[str, Path]) -> bool:
+    """Whether any output shows the strands."""
+    return any(kind in ("blend", "mesh", "contact_sheet") or kind.startswith(PREFIX) for kind in paths)
+
+
+def save_strands(
+    strands: bpy.types.Collection,
+    paths: dict[str, Path],
+    files: OutputFiles,
+    pictures: PictureOptions,
+    progress: Progress,
+    model: SurfaceModel | None,
+    settings: PrintSettings,
+) -> None:
+    """Save the scene with its strands, their mesh and their pictures, as far as asked for."""
     import bpy
 
-    from ..bridge.render import render_prediction
+    from ..bridge.curves import rods_of
+    from ..bridge.views import take_pictures
+    from ..core.mesh_files import write_mesh
 
+    if "mesh" in paths:
+        progress.show(1.0, "writing the mesh")
+        write_mesh(files.staged(paths["mesh"]), rods_of(strands))
     if "blend" in paths:
         bpy.ops.wm.save_as_mainfile(filepath=str(files.staged(paths["blend"]).resolve()), copy=True, compress=True)
-    if "render" in paths:
-        progress.show(1.0, "rendering")
-        render_prediction(strands, files.staged(paths["render"]))
+    views = {kind.removeprefix(PREFIX): files.staged(path) for kind, path in paths.items() if kind.startswith(PREFIX)}
+    sheet = files.staged(paths["contact_sheet"]) if "contact_sheet" in paths else None
+    if views or sheet:
+        take_pictures(strands, views, pictures, sheet, model, settings.background_tone, progress.show)
 
 
 def _write(
     result: DualColorPrint,
-    obj: bpy.types.Object,
     paths: dict[str, Path],
     files: OutputFiles,
     progress: Progress,
 ) -> DualColorPrint:
-    from ..bridge.curves import build_preview
     from ..core import exports
 
     if "gcode" in paths:
@@ -98,9 +135,6 @@ def _write(
         result = exports.export_x3g(result, files.staged(paths["x3g"]))
     if "dump" in paths:
         exports.dump(result, files.staged(paths["dump"]))
-    if "blend" in paths or "render" in paths:
-        progress.show(1.0, "building the strands")
-        save_preview(build_preview(result, obj), paths, files, progress)
     if "save_settings" in paths:
         files.staged(paths["save_settings"]).write_text(settings_json(result.settings), encoding="utf-8")
     if "report" in paths:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from ..core.outputs import OutputFiles
 from .arguments import chosen_outputs, path_ending_in
-from .produce import save_preview
+from .pictures import add_pictures, picture_options, picture_outputs
+from .produce import save_strands
 from .terminal import Progress
 
 NAME = "render"
@@ -19,13 +20,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE", help=".gcode or .x3g file for the Replicator 2X")
     parser.add_argument("--blend", type=path_ending_in(".blend"), metavar="F.blend", help="Blender file with the "
                         "strands")  # fmt: skip
-    parser.add_argument("--render", type=path_ending_in(".png"), metavar="F.png", help="picture of the predicted "
-                        "print, by Cycles")  # fmt: skip
+    parser.add_argument("--mesh", type=path_ending_in(".stl", ".obj"), metavar="F.stl|F.obj", help="mesh of the "
+                        "predicted print, every strand a closed tube")  # fmt: skip
+    add_pictures(parser)
 
 
 def outputs(args: argparse.Namespace) -> dict[str, Path]:
-    """The files that are to be written."""
-    return chosen_outputs(args, ("blend", "render"))
+    """The files that are to be written.
+
+    Raises:
+        OutputError: views are named, but no file for them.
+    """
+    return chosen_outputs(args, ("blend", "mesh")) | picture_outputs(args, args.render, args.contact_sheet)
 
 
 def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
@@ -36,12 +42,14 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     """
     import bpy
 
-    from ..bridge.print_file import show_file
+    from ..bridge.curves import build_preview
+    from ..bridge.print_file import read_print
     from ..bridge.quiet import quiet_stdout
 
     with quiet_stdout(), Progress() as progress:
         bpy.ops.wm.read_factory_settings(use_empty=True)
         progress.show(0.0, "reading the file")
-        shown = show_file(args.file)
-        save_preview(shown, paths, files, progress)
+        read = read_print(args.file)
+        shown = build_preview(read)
+        save_strands(shown, paths, files, picture_options(args), progress, None, read.settings)
     return [f"{args.file.name}: {sum(len(held.data.curves) for held in shown.objects)} strands"]

@@ -74,7 +74,7 @@ class _Lines:
         cell = (self.arc[rows] / spacing).astype(np.int64)
         kept = self.is_first[rows] | self.is_last[rows]
         kept[1:] |= cell[1:] != cell[:-1]
-        return rows[kept]
+        return np.asarray(rows[kept])
 
     def distance(self, query: IntArray, at: IntArray) -> FloatArray:
         """(Q,) mm from each point of `query` to the strand on both sides of the point `at`."""

@@ -1,4 +1,4 @@
-"""Render Predicted Print."""
+"""Render Predicted Print, and Export Predicted Print as Mesh."""
 
 from __future__ import annotations
 
@@ -7,22 +7,27 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from ..bridge.curves import preview_of, source_of
-from ..bridge.render import render_prediction
+from ..bridge.curves import preview_of, rods_of, source_of
+from ..bridge.mesh_input import WITH_SURFACE, surface_model
+from ..bridge.properties import to_settings
+from ..bridge.views import take_pictures
 from ..core.errors import PrintError
+from ..core.mesh_files import write_mesh
+from ..core.outputs import OutputFiles
+from ..core.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
+
+_VIEW_ITEMS = [
+    (view.upper().replace("-", "_"), view.title(), f"Picture named …_{view}", 1 << number)
+    for number, view in enumerate((*VIEWS, TURNTABLE))
+]
+_DISTANCE_ITEMS = [("ALL", "Everything", "Leave all detail in")] + [
+    (name.upper(), f"{name.title()} ({mm:.0f} mm)", f"Leave out what an eye at {mm:.0f} mm does not see any more")
+    for name, mm in DISTANCES_MM.items()
+]
 
 
-class DUALCOLOR_OT_render_prediction(ExportHelper, bpy.types.Operator):
-    """Render the strands in a small studio with Cycles; the scene stays as it is"""
-
-    bl_idname = "dualcolor.render_prediction"
-    bl_label = "Render Predicted Print"
-    filename_ext = ".png"
-    filter_glob: bpy.props.StringProperty(default="*.png", options={"HIDDEN"})
-    width: bpy.props.IntProperty(name="Width", default=900, min=16, max=8192, subtype="PIXEL")
-    height: bpy.props.IntProperty(name="Height", default=900, min=16, max=8192, subtype="PIXEL")
-    samples: bpy.props.IntProperty(name="Samples", description="Most rays a pixel", default=64, min=1, max=4096)
-    whole_plate: bpy.props.BoolProperty(name="Whole Plate", description="Show the cleaning tower and the skirt too")
+class _ForStrands:
+    """What operators on the strands of the active object have in common."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -40,13 +45,79 @@ class DUALCOLOR_OT_render_prediction(ExportHelper, bpy.types.Operator):
         return ExportHelper.invoke(self, context, event)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Render and write the file."""
-        path = Path(bpy.path.abspath(self.filepath))
-        strands = preview_of(source_of(context.object))
+        """Write the file or files, all or none."""
         try:
-            render_prediction(strands, path, (self.width, self.height), self.samples, whole_plate=self.whole_plate)
+            written = self.write(context, Path(bpy.path.abspath(self.filepath)))
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Saved {path.name}")
+        self.report({"INFO"}, f"Saved {', '.join(path.name for path in written)}")
         return {"FINISHED"}
+
+
+class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operator):
+    """Render the strands in a small studio with Cycles; the scene stays as it is"""
+
+    bl_idname = "dualcolor.render_prediction"
+    bl_label = "Render Predicted Print"
+    filename_ext = ".png"
+    filter_glob: bpy.props.StringProperty(default="*.png", options={"HIDDEN"})
+    width: bpy.props.IntProperty(name="Width", default=900, min=16, max=8192, subtype="PIXEL")
+    height: bpy.props.IntProperty(name="Height", default=900, min=16, max=8192, subtype="PIXEL")
+    samples: bpy.props.IntProperty(name="Samples", description="Most rays a pixel", default=64, min=1, max=4096)
+    views: bpy.props.EnumProperty(
+        name="Views", description="Sides of which pictures are taken", items=_VIEW_ITEMS, options={"ENUM_FLAG"},
+        default={"THREE_QUARTER"},
+    )  # fmt: skip
+    azimuth: bpy.props.FloatProperty(
+        name="Front", description="Side of the object that is its front: 0° is -Y, 90° is +X", min=-360, max=360
+    )
+    distance: bpy.props.EnumProperty(name="Distance", items=_DISTANCE_ITEMS)
+    contact_sheet: bpy.props.BoolProperty(
+        name="Contact Sheet",
+        description="Also save …_sheet.png: texture on the model, predicted print, and print at viewing distance",
+    )
+    whole_plate: bpy.props.BoolProperty(name="Whole Plate", description="Show the cleaning tower and the skirt too")
+
+    def write(self, context: bpy.types.Context, path: Path) -> list[Path]:
+        """Take the pictures."""
+        source = source_of(context.object)
+        views = [view for view in (*VIEWS, TURNTABLE) if view.upper().replace("-", "_") in self.views]
+        paths = view_files(path, [] if views == ["three-quarter"] else views)
+        sheet = path.with_name(f"{path.stem}_sheet.png") if self.contact_sheet else None
+        model, background = None, 0.5
+        if sheet and source.type in WITH_SURFACE:
+            settings = to_settings(source.dualcolor)
+            background = settings.background_tone
+            model = surface_model(source, context.evaluated_depsgraph_get(), settings, source.dualcolor.image)
+        options = PictureOptions(
+            azimuth_deg=self.azimuth,
+            distance="" if self.distance == "ALL" else self.distance.lower(),
+            resolution=(self.width, self.height),
+            samples=self.samples,
+            whole_plate=self.whole_plate,
+        )
+        wanted = [*paths.values(), *([sheet] if sheet else [])]
+        with OutputFiles(wanted) as files:
+            staged = {view: files.staged(each) for view, each in paths.items()}
+            take_pictures(preview_of(source), staged, options, sheet and files.staged(sheet), model, background)
+        return wanted
+
+
+class DUALCOLOR_OT_export_strands(_ForStrands, ExportHelper, bpy.types.Operator):
+    """Save the strands as a mesh of closed tubes, in mm"""
+
+    bl_idname = "dualcolor.export_strands"
+    bl_label = "Export Predicted Print"
+    check_extension = None
+    filename_ext = ".stl"
+    filter_glob: bpy.props.StringProperty(default="*.stl;*.obj", options={"HIDDEN"})
+
+    def write(self, context: bpy.types.Context, path: Path) -> list[Path]:
+        """Sweep the strands."""
+        with OutputFiles([path]) as files:
+            write_mesh(files.staged(path), rods_of(preview_of(source_of(context.object))))
+        return [path]
+
+
+OPERATORS = (DUALCOLOR_OT_render_prediction, DUALCOLOR_OT_export_strands)

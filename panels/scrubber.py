@@ -6,6 +6,7 @@ import bpy
 
 from ..bridge.curves import preview_of
 from ..bridge.scrubber import KINDS, last_layer
+from ..operators.render import DUALCOLOR_OT_export_strands
 
 
 class DUALCOLOR_PT_scrubber(bpy.types.Panel):
@@ -34,3 +35,4 @@ class DUALCOLOR_PT_scrubber(bpy.types.Panel):
         for kind in KINDS:
             grid.prop(view, f"show_{kind}", toggle=True)
         self.layout.row().prop(view, "colour_by", expand=True)
+        self.layout.operator(DUALCOLOR_OT_export_strands.bl_idname, icon="EXPORT")

@@ -1,0 +1,122 @@
+"""Picture files of the predicted print from several sides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from io import BytesIO
+from pathlib import Path
+
+import bpy
+import numpy as np
+from PIL import Image
+
+from ..core.errors import OutputError
+from ..core.files import write_file
+from ..core.model import SurfaceModel
+from ..core.viewing import (
+    DISTANCES_MM,
+    TURNTABLE,
+    USUAL_VIEW,
+    VIEWS,
+    Picture,
+    PictureOptions,
+    contact_sheet,
+    seen_from,
+)
+from .render import Photographer, photographer
+
+TURNTABLE_FRAMES = 24
+_TURNTABLE_PIXELS = 480
+_FRAME_MS = 100
+_SHEET_DISTANCE = "desk"
+
+
+def take_pictures(
+    collection: bpy.types.Collection,
+    files: Mapping[str, Path],
+    options: PictureOptions,
+    sheet: Path | None = None,
+    model: SurfaceModel | None = None,
+    background: float = 0.5,
+    on_progress: Callable[[float, str], None] | None = None,
+) -> None:
+    """Render a preview from several sides into PNG files, or as it turns into an animated GIF.
+
+    Args:
+        collection: made by `build_preview`.
+        files: the file of each view, a key of `VIEWS` or `TURNTABLE`.
+        options: how.
+        sheet: PNG file for a contact sheet: the model with its own tones (if it is given), the predicted print, and the
+            print from `options.distance` or from a desk; a row for each view that is not the turntable.
+        model: what the print was made from.
+        background: tone where nothing is painted on the model.
+        on_progress: told the share done and the view to come.
+
+    Raises:
+        PrintError: there are no strands to show.
+        OutputError: a file cannot be written.
+    """
+    for path in [*files.values(), *([sheet] if sheet else [])]:
+        if not path.absolute().parent.is_dir():
+            raise OutputError(f"{path} cannot be written, its folder does not exist", "choose another path")
+    tell = on_progress or (lambda share, stage: None)
+    still = [view for view in files if view != TURNTABLE] or ([USUAL_VIEW] if sheet else [])
+    rows = []
+    shown = model if sheet else None
+    if still:
+        with photographer(
+            collection, options.resolution, options.samples, options.whole_plate, shown, background
+        ) as camera:
+            for number, view in enumerate(still):
+                tell(number / len(files or still), f"rendering, {view}")
+                rows.append(_take(camera, view, files.get(view), options, sheet is not None, shown is not None))
+    if sheet:
+        write_file(sheet, _png(contact_sheet(rows, _labels(options, shown is not None))))
+    if TURNTABLE in files:
+        tell((len(files) - 1) / len(files), "rendering, turntable")
+        _turn(collection, files[TURNTABLE], options)
+
+
+def _take(
+    camera: Photographer, view: str, path: Path | None, options: PictureOptions, for_sheet: bool, with_model: bool
+) -> list[Picture]:
+    """Write one view, and return its row of the contact sheet."""
+    azimuth, elevation = VIEWS[view]
+    azimuth += options.azimuth_deg
+    near = camera.picture(azimuth, elevation)
+    if path:
+        write_file(path, _png(_from_distance(near, camera.mm_per_pixel, options.distance)))
+    if not for_sheet:
+        return []
+    far = _from_distance(near, camera.mm_per_pixel, options.distance or _SHEET_DISTANCE)
+    return [*([camera.picture(azimuth, elevation, painted=True)] if with_model else []), near, far]
+
+
+def _turn(collection: bpy.types.Collection, path: Path, options: PictureOptions) -> None:
+    shrink = min(1.0, _TURNTABLE_PIXELS / max(options.resolution))
+    width, height = (max(round(pixels * shrink), 1) for pixels in options.resolution)
+    frames = []
+    with photographer(collection, (width, height), options.samples, options.whole_plate) as camera:
+        for turn in np.arange(TURNTABLE_FRAMES) * 360.0 / TURNTABLE_FRAMES:
+            seen = camera.picture(options.azimuth_deg + float(turn), VIEWS["front"][1], steady=True)
+            frames.append(Image.fromarray(_from_distance(seen, camera.mm_per_pixel, options.distance)))
+    animation = BytesIO()
+    frames[0].save(animation, "GIF", save_all=True, append_images=frames[1:], duration=_FRAME_MS, loop=0)
+    write_file(path, animation.getvalue())
+
+
+def _from_distance(picture: Picture, mm_per_pixel: float, distance: str) -> Picture:
+    return seen_from(picture, mm_per_pixel, DISTANCES_MM[distance]) if distance else picture
+
+
+def _labels(options: PictureOptions, with_model: bool) -> list[str]:
+    name = options.distance or _SHEET_DISTANCE
+    far = DISTANCES_MM[name]
+    seen = f"predicted print from {far:.0f} mm ({name})"
+    return [*(["texture on the model"] if with_model else []), "predicted print", seen]
+
+
+def _png(picture: Picture) -> bytes:
+    data = BytesIO()
+    Image.fromarray(picture).save(data, "PNG")
+    return data.getvalue()
