@@ -15,6 +15,7 @@ from dualcolor.core.printer import PRINTERS, printer_names, printer_profile, rea
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics import print_time
 from dualcolor.core.x3g.audit import audit
+from dualcolor.core.x3g.motion import step_interval
 from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
@@ -95,6 +96,14 @@ def test_every_printer_equals_gpx(name, tmp_path):
     assert read.settings.printer == name
     laid = [m.position[m.extrudes].max(axis=0) for m in (moves, read.moves, moves_of_x3g(data, "part", settings).moves)]
     np.testing.assert_allclose(laid[1:], [laid[0]] * 2, atol=0.01)
+
+
+@pytest.mark.parametrize(("name", "at_zero", "away"), [("replicator_2x", 37, 112), ("replicator_dual", 35, 106)])
+def test_nozzles_shift_at_the_rate_that_gpx_gives(name, at_zero, away):
+    """Microseconds a step as GPX 2.6.8 writes them for a change of tools with all axes at zero, and with X away."""
+    printer = printer_profile(name)
+    assert step_interval([0, 0, 0, 0, 0], 6000, printer) == at_zero
+    assert step_interval([444, 0, 0, 0, 0], 6000, printer) == away
 
 
 def test_files_of_another_printer_differ():

@@ -113,7 +113,7 @@ def _filament(track: Track, deltas: _Deltas, printer: PrinterProfile) -> tuple[I
         value = counter_steps[number] + left_over - np.rint(left_over)
         stood = np.rint(value)
         place = [*_steps(track, row, printer)[:3], *(-stood).astype(np.int64).tolist()]
-        special[row] = commands.move_unplanned(place, _interval(place, int(track.feedrate[row]), printer))
+        special[row] = commands.move_unplanned(place, step_interval(place, int(track.feedrate[row]), printer))
         begin = reached[:, row] - (value - stood)
         carried[:, number + 1] = begin
     section = np.cumsum(track.kind == Kind.STAND)
@@ -128,7 +128,7 @@ def _steps(track: Track, row: int, printer: PrinterProfile) -> list[int]:
     return [round(value * printer.steps_per_mm[min(axis, 3)]) for axis, value in enumerate(place)]
 
 
-def _interval(steps: list[int], feedrate: int, printer: PrinterProfile) -> int:
+def step_interval(steps: list[int], feedrate: int, printer: PrinterProfile) -> int:
     """Us between steps so that no axis that is away from its zero goes faster than the feedrate."""
     away = [printer.steps_per_mm[min(axis, 3)] for axis in range(AXES) if steps[axis]]
     fastest = int(1e6 / (printer.steps_per_mm[0] * printer.max_speed_mm_s[0]))
