@@ -165,7 +165,7 @@ def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -
 
 def _moves(outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, settings: PrintSettings) -> Moves:
     wall = outer_wall_paths(outlines)
-    covered = with_supports(cut.regions, holding.covered)
+    covered = with_supports(cut.regions, holding.areas, settings)
     layers = raised(cut.layers, settings)
     around = surrounding_paths(ground(covered, wall, settings), layers, settings)
     part = lifted(Paths.joined([wall, fill, holding.paths]), settings)

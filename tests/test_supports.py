@@ -1,5 +1,7 @@
 """Supports: where overhangs are held, what they keep away from, and how they are printed."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import shapely
@@ -32,7 +34,8 @@ def held(model, settings=SETTINGS):
     lines = contours(cut.outlines, cut.loop_polygon, settings)
     count = len(lines.points)
     depth, _ = modulated(lines, np.full(count, 0.5), np.zeros(count), settings)
-    return cut, supports(mesh, cut, lines, depth, settings)
+    made = supports(mesh, cut, lines, depth, settings)
+    return cut, SimpleNamespace(paths=made.paths, covered=shapely.buffer(made.areas, WIDTH / 2, quad_segs=2))
 
 
 def heights(paths):

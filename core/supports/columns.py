@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes
+from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
 from .overhangs import Contacts
 from .overlay import GRID_MM, SIMPLIFY_MM, areas, difference, gathered, intersection, nothing
@@ -25,15 +25,13 @@ def columns(needed: Contacts, taken: Shapes) -> Shapes:
         taken: (L,) where the object leaves no room.
     """
     # Close to a slope the air above a support takes part of it; a little deeper that part has room.
-    deep = needed.slant + 1
-    contact = np.append(needed.area, nothing(deep))
+    contact = _of_layers_above(needed.area, needed.slant + 1)
     has_contact = ~shapely.is_empty(contact)
     parts = nothing(0)
     found: list[Shapes] = []
     for layer in range(len(taken) - 1, -1, -1):
-        near = slice(layer, layer + deep)
-        if has_contact[near].any():
-            parts = _with(parts, contact[near][has_contact[near]])
+        if has_contact[layer]:
+            parts = _with(parts, contact[layer])
         if len(parts):
             parts = _without(parts, taken[layer])
         found.append(parts)
@@ -42,9 +40,19 @@ def columns(needed: Contacts, taken: Shapes) -> Shapes:
     return gathered(np.concatenate([nothing(0), *found]), owner, len(found))
 
 
-def _with(parts: Shapes, more: Shapes) -> Shapes:
-    """(P,) polygons, those that meet other shapes united with them, without narrow gaps and bays."""
-    added = shapely.union_all(more)
+def _of_layers_above(areas: Shapes, layers: int) -> Shapes:
+    """(L,) the areas of each layer united with those of the layers above, so many in all."""
+    count = len(areas)
+    rows = np.minimum(np.arange(count)[:, None] + np.arange(layers), count)
+    window = np.append(areas, nothing(1))[rows]
+    some = np.flatnonzero(~shapely.is_empty(window).all(axis=1))
+    united = nothing(count)
+    (united[some],) = in_chunks(lambda part: (shapely.union_all(part, axis=1),), window[some])
+    return united
+
+
+def _with(parts: Shapes, added: shapely.Geometry) -> Shapes:
+    """(P,) polygons, those that meet another shape united with it, without narrow gaps and bays."""
     near = shapely.dwithin(parts, added, _HALF_GAP_MM)
     whole = shapely.union_all(np.append(parts[near], added), grid_size=GRID_MM)
     smooth = offset(simplified(offset(areas(whole), _HALF_GAP_MM), SIMPLIFY_MM), -_HALF_GAP_MM)

@@ -102,7 +102,7 @@ def _filled(areas: Areas, width: float) -> list[Paths]:
     printable = shapely.length(parts) > 2 * width
     parts, owner = parts[printable], owner[printable]
     narrow = thickness(parts) < _NARROW * areas.spacing_mm
-    within = once(lambda some: offset(some, -width), parts[narrow])  # its lines lie beside the loop's
+    within = once(lambda some: (offset(some, -width),), parts[narrow])  # its lines lie beside the loop's
     inside = np.concatenate([parts[~narrow], within])
     of_layer = np.concatenate([owner[~narrow], owner[narrow]])
     return [_hatched(areas, inside, of_layer, width), _loops(areas, parts[narrow], owner[narrow], width)]

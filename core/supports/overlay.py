@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes
+from ..fill.parallel import Shapes, in_chunks
 from ..model import FloatArray
 
 GRID_MM = 0.01
@@ -55,7 +56,18 @@ def thickness(shapes: Shapes) -> FloatArray:
     return np.asarray(4 * shapely.area(shapes) / shapely.length(shapes))
 
 
-def once(function: Callable[[Shapes], Shapes], shapes: Shapes) -> Shapes:
-    """(N,) what a function makes of each shape, asked once where shapes are the same: columns hardly change."""
-    _, first, same = np.unique(np.asarray(shapely.to_wkb(shapes), dtype=object), return_index=True, return_inverse=True)
-    return function(shapes[first])[same]
+def once(function: Callable[[Shapes], tuple[Shapes]], shapes: Shapes) -> Shapes:
+    """(N,) what a function makes of each shape, in threads, asked once where shapes are the same."""
+    _, first, same = _alike(shapes)
+    (made,) = in_chunks(function, shapes[first])
+    return np.asarray(made[same])
+
+
+def distinct(shapes: Shapes) -> Shapes:
+    """(D,) the shapes, each once."""
+    return np.asarray(shapes[_alike(shapes)[1]])
+
+
+def _alike(shapes: Shapes) -> tuple[Any, Any, Any]:
+    """As `numpy.unique`: distinct shapes, where each occurs first, and (N,) which one each shape is."""
+    return np.unique(np.asarray(shapely.to_wkb(shapes), dtype=object), return_index=True, return_inverse=True)

@@ -17,7 +17,7 @@ from .columns import columns, standing_on_bed
 from .lines import interface, support_lines
 from .marks import marks
 from .overhangs import contacts
-from .overlay import nothing
+from .overlay import distinct, nothing
 from .room import taken_room
 from .stability import steady
 
@@ -28,11 +28,11 @@ class Supports:
 
     Attributes:
         paths: of feature SUPPORT and SUPPORT_INTERFACE, in the layers' own colours: they add no tool change.
-        covered: (L,) what they cover, as wide as their lines.
+        areas: (L,) what the centre lines of their lines cover.
     """
 
     paths: Paths
-    covered: Shapes
+    areas: Shapes
 
 
 def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray, settings: PrintSettings) -> Supports:
@@ -57,16 +57,19 @@ def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray
         found = standing_on_bed(found)
     found = steady(found, needed, taken)
     close = interface(found, needed.area, settings)
-    covered = shapely.buffer(found, settings.extrusion_width / 2, quad_segs=2)
-    return Supports(support_lines(found, close, settings), covered)
+    return Supports(support_lines(found, close, settings), found)
 
 
-def with_supports(regions: Shapes, covered: Shapes) -> Shapes:
+def with_supports(regions: Shapes, areas: Shapes, settings: PrintSettings) -> Shapes:
     """Cross-sections of the object and its supports, (R,), those of the first layer in one at the beginning.
 
     Args:
         regions: (L,) of the object.
-        covered: (L,) of the supports.
+        areas: (L,) of the supports' centre lines.
+        settings: `extrusion_width` is used.
     """
-    some = covered[1:][~shapely.is_empty(covered[1:])]
-    return np.concatenate([[shapely.union(regions[0], covered[0])], regions[1:], some])
+    half = settings.extrusion_width / 2
+    first = shapely.union(regions[0], shapely.buffer(areas[0], half, quad_segs=2))
+    # Columns hardly change from layer to layer.
+    others = shapely.buffer(distinct(shapely.get_parts(areas[1:])), half, quad_segs=2)
+    return np.concatenate([[first], regions[1:], others])

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes
+from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
 from ..model import FloatArray, IntArray
 from .overhangs import Contacts
@@ -92,18 +92,34 @@ def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, t
     whole = parts.copy()
     for amount in np.unique(growth[growth > 0]):
         rows = np.flatnonzero(growth == amount)
-        whole[rows] = once(partial(shapely.buffer, distance=amount, quad_segs=_ARC_SEGMENTS), parts[rows])
-    rows = np.flatnonzero((growth > 0) & shapely.intersects(whole, taken[layer]))
-    whole[rows] = difference(whole[rows], taken[layer[rows]])
+        whole[rows] = once(partial(_grown, by_mm=amount), parts[rows])
+    grown = np.flatnonzero(growth > 0)
+    (whole[grown],) = in_chunks(_clipped, whole[grown], taken[layer[grown]])
     pieces, owner = shapely.get_parts(whole, return_index=True)
     merged = gathered(pieces, layer[owner], count)
-    met = ~shapely.is_valid(merged)  # grown columns that overlap
-    merged[met] = shapely.buffer(merged[met], 0.0)
+    (merged,) = in_chunks(_united, merged)
     pieces, owner = shapely.get_parts(merged, return_index=True)
     pieces, row = shapely.get_parts(once(_opened, pieces), return_index=True)
     return gathered(pieces, owner[row], count)
 
 
-def _opened(shapes: Shapes) -> Shapes:
+def _grown(shapes: Shapes, by_mm: float) -> tuple[Shapes]:
+    return (shapely.buffer(shapes, by_mm, quad_segs=_ARC_SEGMENTS),)
+
+
+def _clipped(shapes: Shapes, taken: Shapes) -> tuple[Shapes]:
+    met = shapely.intersects(shapes, taken)
+    shapes[met] = difference(shapes[met], taken[met])
+    return (shapes,)
+
+
+def _united(shapes: Shapes) -> tuple[Shapes]:
+    """Grown columns that overlap become one."""
+    met = ~shapely.is_valid(shapes)
+    shapes[met] = shapely.buffer(shapes[met], 0.0)
+    return (shapes,)
+
+
+def _opened(shapes: Shapes) -> tuple[Shapes]:
     core = offset(shapes, -_HALF_LEAST_WIDTH_MM)
-    return simplified(shapely.buffer(core, _HALF_LEAST_WIDTH_MM, quad_segs=_ARC_SEGMENTS), SIMPLIFY_MM)
+    return (simplified(shapely.buffer(core, _HALF_LEAST_WIDTH_MM, quad_segs=_ARC_SEGMENTS), SIMPLIFY_MM),)
