@@ -1,0 +1,155 @@
+"""`dualcolor plate`: pictures on plates, printed in several patterns, photographed and measured."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from ..core.errors import OutputError, SettingsError
+from ..core.outputs import OutputFiles
+from ..core.picture_match import PictureMatch
+from ..core.picture_shapes import PictureShape, fitted, picture_plate
+from ..core.settings import PrintSettings
+from .arguments import add_settings, chosen_settings, positive
+from .terminal import Progress
+
+NAME = "plate"
+HELP = "put pictures on plates, predict their prints in each pattern and measure how well they show the picture"
+PATTERNS = ("wave", "wave_offset", "offset")
+TABLE = "plates"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("images", type=Path, nargs="+", metavar="IMAGE", help="picture file")
+    parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder of the files (default: "
+                        "out)")  # fmt: skip
+    parser.add_argument("--width", type=positive, default=30.0, metavar="MM", help="of the picture, which is cut to "
+                        "fit (default: 30)")  # fmt: skip
+    parser.add_argument("--height", type=positive, default=35.5, metavar="MM", help="of the picture (default: 35.5)")
+    parser.add_argument("--thickness", type=positive, default=2.0, metavar="MM", help="of the plate (default: 2)")
+    parser.add_argument("--patterns", type=_patterns, default=PATTERNS, metavar="NAMES", help="with commas between "
+                        f"them (default: {','.join(PATTERNS)})")  # fmt: skip
+    parser.add_argument("--plain-contrast", action="store_true", help="leave the tones as they are, instead of "
+                        "stretching them from black to white")  # fmt: skip
+    parser.add_argument("--mm-per-pixel", type=positive, default=0.05, metavar="MM", help="of the photographs "
+                        "(default: 0.05)")  # fmt: skip
+    parser.add_argument("--samples", type=_count, default=8, metavar="N", help="rays a pixel (default: 8)")
+    parser.add_argument("--gcode", action="store_true", help="write the plates' G-code too")
+    add_settings(parser)
+
+
+def outputs(args: argparse.Namespace) -> dict[str, Path]:
+    """The files that are to be written; their folder is made.
+
+    Raises:
+        OutputError: the folder cannot be made.
+    """
+    try:
+        args.out.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
+    paths = {"table": args.out / f"{TABLE}.md", "report": args.out / f"{TABLE}.json"}
+    for image in args.images:
+        paths[_sheet(image)] = args.out / f"{TABLE}_{image.stem}.png"
+        if args.gcode:
+            paths |= {_gcode(image, name): args.out / f"{image.stem}_{name}.gcode" for name in args.patterns}
+    return paths
+
+
+def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+    """Print, photograph and measure all plates.
+
+    Raises:
+        PrintError: an image cannot be read, a plate cannot be printed, or a file cannot be written.
+    """
+    settings = chosen_settings(args).changed({"texture_filter": "lanczos"})
+    plate = picture_plate(args.width, args.height, args.thickness, settings)
+    if min(plate.size[0] / settings.wavelength, plate.size[1] / (4 * settings.layer_height)) < 3:
+        raise SettingsError("the plate is smaller than three periods of the pattern", "make it larger")
+    rows: list[tuple[str, str, PictureMatch]] = []
+    with Progress() as progress:
+        for number, image in enumerate(args.images):
+            found = _plates(args, image, plate, settings, (paths, files), (progress, number))
+            rows += [(image.name, pattern, match) for pattern, match in found.items()]
+    _write_tables(args, rows, plate, settings, paths, files)
+    return [
+        f"{name} {pattern}: r {match.correlation:.3f}, by texel {match.texel_correlation:.3f}, "
+        f"contrast {match.contrast:.2f}"
+        for name, pattern, match in rows
+    ]
+
+
+def _plates(
+    args: argparse.Namespace,
+    image: Path,
+    plate: PictureShape,
+    settings: PrintSettings,
+    outputs: tuple[dict[str, Path], OutputFiles],
+    progress: tuple[Progress, int],
+) -> dict[str, PictureMatch]:
+    """One picture in all patterns: its sheet is written."""
+    from PIL import Image
+
+    from ..bridge.image_input import image_tone, load_image
+    from ..bridge.picture_print import picture_print
+    from ..bridge.quiet import quiet_stdout
+    from ..core.exports import export_gcode
+    from ..core.picture_report import sheet
+
+    paths, files = outputs
+    bar, before = progress
+    picture = fitted(image_tone(load_image(image)), plate, auto_contrast=not args.plain_contrast)
+    photographs, found = {}, {}
+    for number, pattern in enumerate(args.patterns):
+        bar.show((before + number / len(args.patterns)) / len(args.images), f"{image.name}, {pattern}")
+        chosen = settings.changed({"pattern": pattern})
+        with quiet_stdout():
+            made = picture_print(picture, plate, chosen, image.stem, args.mm_per_pixel, args.samples)
+        photographs[pattern], found[pattern] = made.photograph, made.match
+        if args.gcode:
+            export_gcode(made.result, files.staged(paths[_gcode(image, pattern)]))
+    drawn = sheet(picture.tone, photographs, args.mm_per_pixel, settings)
+    Image.fromarray(drawn).convert("L").save(files.staged(paths[_sheet(image)]), optimize=True)
+    return found
+
+
+def _write_tables(
+    args: argparse.Namespace,
+    rows: list[tuple[str, str, PictureMatch]],
+    plate: PictureShape,
+    settings: PrintSettings,
+    paths: dict[str, Path],
+    files: OutputFiles,
+) -> None:
+    from ..core.picture_report import pictures_of, table
+
+    command = f"./dualcolor plate {' '.join(image.name for image in args.images)} --out {args.out.as_posix()}"
+    text = table(rows, (*plate.size, plate.columns, plate.rows), settings, not args.plain_contrast, command)
+    text += pictures_of({image.name: Path(paths[_sheet(image)].name) for image in args.images})
+    files.staged(paths["table"]).write_text(text, encoding="utf-8")
+    figures = [{"picture": name, "pattern": pattern} | match.as_dict() for name, pattern, match in rows]
+    report = {"plates": figures, "settings": settings.as_dict()}
+    files.staged(paths["report"]).write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _sheet(image: Path) -> str:
+    return f"sheet of {image}"
+
+
+def _gcode(image: Path, pattern: str) -> str:
+    return f"G-code of {image}, {pattern}"
+
+
+def _patterns(text: str) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(","))
+    if not set(names) <= set(PATTERNS) or len(set(names)) < len(names):
+        raise argparse.ArgumentTypeError(f"{text!r} is not some of {','.join(PATTERNS)}")
+    return names
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number above zero")
+    return int(text)
