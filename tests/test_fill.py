@@ -37,7 +37,7 @@ def test_fill_reaches_into_the_last_wall_by_the_overlap():
     for perimeters, overlap in ((0, 0.0), (1, 15.0), (2, 50.0)):
         plan = PrintSettings(perimeters=perimeters, infill_overlap=overlap)
         walls, fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)
-        assert len(walls) == perimeters
+        assert len(walls) == 1 + perimeters
         assert fill[0].bounds[2] == pytest.approx(10 - WIDTH * (perimeters + 0.5 - overlap / 100))
 
 

@@ -12,6 +12,7 @@ from ..slicing.planes import line_widths, middle_heights
 from ..toolpaths.moves import Feature, Paths
 from .bridges import Bridges, bridges, without
 from .concentric import nested
+from .gap_fill import gap_paths, gaps_between
 from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
@@ -64,6 +65,7 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
     """
     width = line_widths(island_layer, settings)
     walls, fill = walls_and_fill(islands, width, settings)
+    narrow = gaps_between(walls, width)
     (outlines,) = in_chunks(lambda part: (simplified(part, _SIMPLIFY_MM),), sliced)
     solid, sparse = solid_and_sparse(outlines, fill, island_layer, settings)
     spanned = bridges(solid, sparse, outlines, island_layer, settings)
@@ -77,7 +79,7 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
     if settings.infill_density > 0.0 and settings.infill_pattern == "concentric":
         loops, island = nested(sparse, settings.extrusion_width * 100.0 / settings.infill_density)
         lines.append(boundary_paths(loops, island, island_layer, width, Feature.INFILL))
-    return Paths.joined([wall_paths(walls, island_layer, width), *lines])
+    return Paths.joined([wall_paths(walls[1:], island_layer, width), gap_paths(narrow, island_layer, width), *lines])
 
 
 def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: PrintSettings) -> Hatching:

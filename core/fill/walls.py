@@ -51,8 +51,8 @@ def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSetting
         settings: `perimeters` and `infill_overlap` are read.
 
     Returns:
-        For each wall, from the outside in, (I,) regions bounded by its centre line; and (I,) regions to fill: what
-        is inside the last wall's inner edge, grown by the overlap.
+        The islands, simplified, and then for each straight wall, from the outside in, (I,) regions bounded by its
+        centre line; and (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap.
     """
     overlap = settings.infill_overlap / 100.0 - 0.5
 
@@ -60,7 +60,7 @@ def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSetting
         regions = [simplified(shapes, _SIMPLIFY_MM)]
         for _ in range(settings.perimeters):
             regions.append(offset(regions[-1], -width))
-        return (*regions[1:], simplified(offset(regions[-1], overlap * width), _SIMPLIFY_MM))
+        return (*regions, simplified(offset(regions[-1], overlap * width), _SIMPLIFY_MM))
 
     *walls, fill = in_chunks(chunk, islands, width_mm)
     return walls, fill

@@ -1,0 +1,138 @@
+"""Single lines along the middle of places too narrow for another wall, such as the neck between two waved walls."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+import shapely
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..slicing.outlines import starts
+from ..toolpaths.moves import Feature, Paths
+from .parallel import Shapes, in_chunks
+from .walls import offset
+
+# Line widths by which a gap reaches into the walls beside it; a waved one leaves pockets there.
+_INTO_WAVES, _INTO_WALL = 0.4, 0.1
+_SMALLEST_MM2 = 0.1
+_LOST = 0.5  # line widths of length that walls lose for other reasons
+_CORNER = 0.1  # line widths: corners of walls are no gaps
+_SAMPLE = 0.5  # line widths between the boundary's points that the middle is found from
+_SHORTEST = 1.0  # line widths
+_NARROWEST, _WIDEST = 0.5, 1.5  # line widths
+_SIMPLIFY_MM = 0.03
+_ON_EDGE_MM = 1e-6
+
+
+def gaps_between(walls: list[Shapes], width_mm: FloatArray) -> list[Shapes]:
+    """What is left between each wall and the next one inside, where that does not fit.
+
+    Args:
+        walls: (I,) regions bounded by a wall's centre line, from the waved outer wall in.
+        width_mm: (I,) of the lines.
+
+    Returns:
+        For each wall but the last, (I,) MultiPolygon, mostly empty.
+    """
+    return [
+        in_chunks(partial(_gaps, into_wall=_INTO_WALL if number else _INTO_WAVES), outer, inner, width_mm)[0]
+        for number, (outer, inner) in enumerate(pairwise(walls))
+    ]
+
+
+def _gaps(outer: Shapes, inner: Shapes, width_mm: FloatArray, into_wall: float) -> tuple[Shapes]:
+    found = np.full(len(outer), shapely.Polygon(), dtype=object)
+    rows = np.flatnonzero(_lose_length(outer, inner, width_mm))
+    width = width_mm[rows]
+    reach = (0.5 - into_wall) * width
+    inside, taken = offset(outer[rows], -reach), offset(inner[rows], width - reach)
+    some = shapely.area(inside) - shapely.area(taken) > _SMALLEST_MM2
+    rows, inside, taken, width = rows[some], inside[some], taken[some], width[some]
+    walls = shapely.buffer(taken, _CORNER * width, quad_segs=2)
+    parts, owner = shapely.get_parts(shapely.difference(inside, walls), return_index=True)
+    large = (shapely.area(parts) > _SMALLEST_MM2) & (shapely.get_dimensions(parts) == 2)
+    if large.any():
+        filled, group = np.unique(owner[large], return_inverse=True)
+        found[rows[filled]] = shapely.multipolygons(parts[large], indices=group)
+    return (found,)
+
+
+def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArray:
+    """(I,) bool, where the inner wall is shorter than one all around the inside of the outer one, so that gaps may be.
+
+    A closed line set off by a width loses 2π widths, and a gap besides twice its length. Offsets being what costs most
+    here, this saves half of them; regions with holes, which gain, are not worth the trouble.
+    """
+    lost = shapely.length(outer) - shapely.length(inner) - 2 * np.pi * width_mm
+    plain = (shapely.get_type_id(outer) == shapely.GeometryType.POLYGON) & (shapely.get_num_interior_rings(outer) == 0)
+    return np.asarray((~plain | (lost > _LOST * width_mm)) & ~shapely.is_empty(outer))
+
+
+def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
+    """Lines along the middle of gaps, as wide as the gaps are.
+
+    The middle is the chordal axis: it runs from side to side through the Delaunay triangles between points along the
+    boundary, through the middles of the sides that cross the gap.
+
+    Args:
+        found: arrays (I,) of gaps.
+        island_layer: (I,) layer of each island.
+        width_mm: (I,) of the lines that gaps are measured by.
+
+    Returns:
+        SKIN polylines.
+    """
+    if not found:
+        return Paths.empty()
+    parts, owner = shapely.get_parts(np.concatenate(found), return_index=True)
+    some = ~shapely.is_empty(parts)
+    parts, island = parts[some], (owner[some] % len(island_layer)).astype(np.int64)
+    if not len(parts):
+        return Paths.empty()
+    merged, edges = in_chunks(_middles, parts, width_mm[island])
+    lines, part = shapely.get_parts(merged, return_index=True)
+    width = width_mm[island[part]]
+    long = (shapely.length(lines) >= _SHORTEST * width) & (shapely.get_dimensions(lines) == 1)
+    lines, part, width = lines[long], part[long], width[long]
+    points, line = shapely.get_coordinates(lines, return_index=True)
+    half = shapely.distance(shapely.points(points), edges[part[line]])
+    wide = np.clip(2 * half, _NARROWEST * width[line], _WIDEST * width[line])
+    return Paths(
+        points=points,
+        start=starts(np.bincount(line, minlength=len(lines))),
+        layer=island_layer[island[part]].astype(np.int64),
+        feature=np.full(len(lines), int(Feature.SKIN), dtype=np.int64),
+        island=island[part],
+        closed=np.zeros(len(lines), dtype=bool),
+        width=wide,
+    )
+
+
+def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
+    """(P,) lines along the middle of (P,) polygons, and the polygons' boundaries."""
+    edge = shapely.segmentize(shapely.boundary(gap), _SAMPLE * width_mm)
+    points, part = shapely.get_coordinates(edge, return_index=True)
+    triangle, part = shapely.get_parts(
+        shapely.delaunay_triangles(shapely.multipoints(points, indices=part)), return_index=True
+    )
+    corner = shapely.get_coordinates(triangle).reshape(-1, 4, 2)[:, :3]
+    centre = corner.mean(axis=1)
+    inside = offset(gap, -_ON_EDGE_MM)
+    shapely.prepare(inside)
+    within = shapely.contains_xy(inside[part], centre[:, 0], centre[:, 1])
+    corner, centre, part = corner[within], centre[within], part[within]
+    side = (corner + np.roll(corner, -1, axis=1)) / 2
+    across = shapely.contains_xy(inside[part][:, None], side[..., 0], side[..., 1])
+    passed, forked = across.sum(axis=1) == 2, across.sum(axis=1) == 3
+    straight = side[passed][across[passed]].reshape(-1, 2, 2)
+    branches = np.stack([side[forked], np.repeat(centre[forked][:, None], 3, axis=1)], axis=2).reshape(-1, 2, 2)
+    pieces = shapely.linestrings(np.concatenate([straight, branches]))
+    part = np.concatenate([part[passed], np.repeat(part[forked], 3)])
+    middle = np.full(len(gap), shapely.LineString(), dtype=object)
+    if len(part):
+        order = np.argsort(part, kind="stable")
+        found, group = np.unique(part[order], return_inverse=True)
+        middle[found] = shapely.multilinestrings(pieces[order], indices=group)
+    return shapely.simplify(shapely.line_merge(middle), _SIMPLIFY_MM), edge

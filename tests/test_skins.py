@@ -1,0 +1,99 @@
+"""Skins without holes: the area that walls, skins and the lines in gaps cover, against the region inside the wave."""
+
+import numpy as np
+import pytest
+import shapely
+from dualcolor.core.fill.paths import fill_paths
+from dualcolor.core.pipeline import generate
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.toolpaths.moves import Feature
+from dualcolor.tests.real_models import image_file, obj_model
+from dualcolor.tests.solids import box, joined, lathe, surface
+from fill_shapes import WIDTH, lines_of, shapes, square, table_is_sound
+
+SOLID = PrintSettings(infill_density=100, skirt_distance=2.0)
+BESIDE = (Feature.TOWER, Feature.SKIRT)
+
+
+def strands(moves, layer):
+    """Footprints of a layer's strands, without those of what stands beside the object."""
+    rows = np.flatnonzero(moves.extrudes & (moves.layer == layer) & ~np.isin(moves.feature, BESIDE))
+    ends = np.stack([moves.position[rows - 1, :2], moves.position[rows, :2]], axis=1)
+    return shapely.buffer(shapely.linestrings(ends), moves.width[rows] / 2 + 0.01, quad_segs=4)
+
+
+def holes(job, layer):
+    """(H,) mm², what nothing covers inside the outer wall of a solid layer."""
+    printed = shapely.union_all(strands(job.moves, layer))
+    waved = [
+        shapely.Polygon(job.outlines.points[low:high])
+        for low, high, at in zip(job.outlines.start, job.outlines.start[1:], job.outlines.layer, strict=False)
+        if at == layer and high - low > 3
+    ]
+    around = shapely.union_all([shapely.buffer(polygon, 0) for polygon in waved if polygon.exterior.is_ccw])
+    around = shapely.difference(around, shapely.union_all([p for p in waved if not p.exterior.is_ccw]))
+    bare = shapely.get_parts(shapely.buffer(shapely.difference(around, printed), -0.02))
+    return shapely.area(bare)
+
+
+@pytest.mark.parametrize("pattern", ["wave_offset", "offset"])
+@pytest.mark.parametrize("perimeters", [1, 3])
+def test_no_holes_in_necks_of_any_width(pattern, perimeters):
+    wedge = surface(
+        [[0, 0, 0], [40, 3.2, 0], [0, 6.4, 0], [0, 0, 2], [40, 3.2, 2], [0, 6.4, 2]],
+        [[0, 2, 1], [3, 4, 5], [0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5]],
+    )
+    job = generate(wedge, SOLID.changed({"pattern": pattern, "perimeters": perimeters}))
+    for layer in range(3, 6):
+        assert holes(job, layer).max(initial=0.0) < 1.0
+
+
+def test_no_holes_in_discs_rings_and_plates():
+    ring = lathe([[6, 0], [9.3, 0], [9.3, 2], [6, 2], [6, 0]])
+    for model in (lathe([[12, 0], [12, 2]]), joined(box((0, 0, 0), (30, 4.1, 2))), ring):
+        job = generate(model, SOLID)
+        assert max(holes(job, layer).max(initial=0.0) for layer in range(job.report["layers"])) < 1.0
+
+
+@pytest.mark.parametrize(
+    "mesh, height, layers",
+    [
+        ("meshes/spot/spot.obj", 50, [1, 40, 90, 120, 160, 190]),
+        ("meshes/nc/gargoyle.obj", 60, [1, 20, 100, 180, 200, 230]),
+    ],
+)
+def test_no_skin_of_a_real_model_has_a_hole(data, mesh, height, layers):
+    path = data / mesh
+    if not path.is_file():
+        pytest.skip(f"{mesh} is not here")
+    texture = image_file(data / "meshes/spot/spot_texture.png")
+    job = generate(obj_model(path, height, [texture]), SOLID)
+    greatest = {layer: holes(job, layer).max(initial=0.0) for layer in layers}
+    assert max(greatest.values()) < 1.0, greatest
+
+
+@pytest.mark.parametrize("neck", [0.5, 0.6, 0.75])
+def test_a_neck_too_narrow_for_a_wall_gets_one_line_along_its_middle(neck):
+    dumbbell = shapely.union_all([square(10, 0, -12), square(10, 0, 12), shapely.box(-neck / 2, -10, neck / 2, 10)])
+    islands = shapes([dumbbell])
+    paths = fill_paths(islands, islands, np.zeros(1, dtype=np.int64), PrintSettings(infill_density=100))
+    assert (paths.feature == Feature.INNER_WALL).sum() == 2  # one in each square
+    lines = lines_of(paths, Feature.SKIN)
+    inside = np.flatnonzero(np.abs(shapely.get_y(shapely.centroid(lines))) < 6)
+    assert len(inside) == 1
+    west, south, east, north = lines[inside[0]].bounds
+    assert west > -0.12 and east < 0.12 and south < -6.5 and north > 6.5
+    skin = np.flatnonzero(paths.feature == Feature.SKIN)[inside[0]]
+    points = slice(paths.start[skin], paths.start[skin + 1])
+    middle = np.abs(paths.points[points, 1]) < 6.5
+    # As wide as the neck between the walls' edges, and 0.16 mm into each of them, where the wave leaves pockets.
+    assert np.allclose(paths.width[points][middle], min(neck - WIDTH + 0.32, 0.6), atol=0.02)
+
+
+def test_what_walls_fill_has_no_lines_in_gaps():
+    islands = shapes([square(20), shapely.Point(0, 0).buffer(9, 64)])
+    layer = np.array([3, 4])
+    sliced = shapes([square(20)] * 9)
+    paths = fill_paths(sliced, islands, layer, PrintSettings(perimeters=4))
+    table_is_sound(paths)
+    assert set(paths.feature) == {Feature.INNER_WALL, Feature.INFILL}
