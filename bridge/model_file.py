@@ -18,6 +18,10 @@ UP_AXIS = {".blend": "z", ".obj": "y", ".stl": "z", ".ply": "z", ".glb": "y", ".
 """The axis that usually points up in each kind of file."""
 
 
+SCALE_KEY = "dualcolor_scale"
+"""Property of an object: what it was multiplied by to get its height, for what belongs to it."""
+
+
 def open_model(path: Path, object_name: str = "", up: str = "", height_mm: float | None = None) -> bpy.types.Object:
     """One object: see `open_models`."""
     return open_models([path], [object_name] if object_name else [], up, height_mm)[0]
@@ -42,7 +46,7 @@ def open_models(
         MeshError: nothing to print in it.
     """
     for path in paths:
-        _check_file(path, alone=len(paths) == 1)
+        check_file(path, alone=len(paths) == 1)
     if object_names and len(paths) > 1:
         raise PrintError("--object chooses from a single file", "give one model, or leave --object out")
     if paths[0].suffix.lower() != ".blend":
@@ -55,7 +59,13 @@ def open_models(
     return opened
 
 
-def _check_file(path: Path, alone: bool) -> None:
+def check_file(path: Path, alone: bool) -> None:
+    """Refuse a file that cannot be opened; `alone` says whether a .blend, which replaces all else, would do.
+
+    Raises:
+        PrintError: no such file, or an unknown kind.
+        MeshError: it is empty.
+    """
     kind = path.suffix.lower()
     if kind not in UP_AXIS:
         raise PrintError(f"{path} is not a model file", f"known kinds are {', '.join(UP_AXIS)}")
@@ -71,23 +81,36 @@ def _opened(path: Path, names: Sequence[str], up: str, height_mm: float | None) 
     """The objects of one file that are to be printed."""
     kind = path.suffix.lower()
     imported = kind != ".blend"
-    former = set(bpy.context.scene.objects) if imported else set()
-    if imported:
-        bpy.context.scene.unit_settings.scale_length = 1.0  # the importer of glTF would take it into account
-    _read(path, kind)
-    if imported:
-        use_millimetres(bpy.context.scene)
-    bpy.context.view_layer.update()
-    found = [obj for obj in bpy.context.scene.objects if obj not in former]
-    chosen = [_named(path, found, name) for name in names] or _printable(path, found, joined=imported)
-    turn = _turn(kind, up or UP_AXIS[kind])
+    found = import_objects(path) if imported else _opened_scene(path)
+    chosen = [_named(path, found, name) for name in names] or printable(path, found, joined=imported)
+    turn = turn_upright(kind, up)
     if imported or height_mm is not None or turn != Matrix():
         groups = [[obj] for obj in chosen] if names else [chosen]
         titles = [group[0].name if names or not imported else path.stem for group in groups]
-        chosen = [_baked(group, turn, title) for group, title in zip(groups, titles, strict=True)]
+        chosen = [baked(group, turn, title) for group, title in zip(groups, titles, strict=True)]
     if height_mm is not None:
         _scale_to_height(path, chosen, height_mm)
     return chosen
+
+
+def _opened_scene(path: Path) -> list[bpy.types.Object]:
+    _read(path, ".blend")
+    bpy.context.view_layer.update()
+    return list(bpy.context.scene.objects)
+
+
+def import_objects(path: Path) -> list[bpy.types.Object]:
+    """The objects of a file that is not a .blend, added to the scene, which becomes one in millimetres.
+
+    Raises:
+        PrintError: Blender cannot read it.
+    """
+    former = set(bpy.context.scene.objects)
+    bpy.context.scene.unit_settings.scale_length = 1.0  # the importer of glTF would take it into account
+    _read(path, path.suffix.lower())
+    use_millimetres(bpy.context.scene)
+    bpy.context.view_layer.update()
+    return [obj for obj in bpy.context.scene.objects if obj not in former]
 
 
 def _read(path: Path, kind: str) -> None:
@@ -111,8 +134,9 @@ def _read(path: Path, kind: str) -> None:
         raise PrintError(f"Blender cannot read {path}", reason) from None
 
 
-def _turn(kind: str, up: str) -> Matrix:
-    """The rotation that makes a file stand upright after `_read`."""
+def turn_upright(kind: str, up: str) -> Matrix:
+    """The rotation that makes a file of that kind stand upright after `_read`; `up` is "y", "z" or "" for the usual."""
+    up = up or UP_AXIS[kind]
     upright = "y" if kind in (".glb", ".gltf") else "z"
     if up == upright:
         return Matrix()
@@ -132,8 +156,13 @@ def _meshes(found: list[bpy.types.Object]) -> list[bpy.types.Object]:
     return sorted((obj for obj in found if obj.type == "MESH"), key=lambda obj: obj.name)
 
 
-def _printable(path: Path, found: list[bpy.types.Object], joined: bool) -> list[bpy.types.Object]:
-    """All visible meshes if they are to be joined, else the active one."""
+def printable(path: Path, found: list[bpy.types.Object], joined: bool) -> list[bpy.types.Object]:
+    """All visible meshes if they are to be joined, else the active one.
+
+    Raises:
+        MeshError: there is none.
+        PrintError: there are several, none of them active.
+    """
     meshes = [obj for obj in _meshes(found) if obj.visible_get()]
     if not meshes:
         raise MeshError(f"there is no mesh in {path}")
@@ -146,7 +175,7 @@ def _printable(path: Path, found: list[bpy.types.Object], joined: bool) -> list[
     return [active]
 
 
-def _baked(sources: list[bpy.types.Object], turn: Matrix, name: str) -> bpy.types.Object:
+def baked(sources: list[bpy.types.Object], turn: Matrix, name: str) -> bpy.types.Object:
     """One new object without modifiers, parents or transform from several, which are hidden."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     copies = []
@@ -181,6 +210,7 @@ def _scale_to_height(path: Path, objects: list[bpy.types.Object], height_mm: flo
         raise MeshError(f"{name} is flat", "it has no height to scale")
     for obj in objects:
         obj.data.transform(Matrix.Scale(height_mm / height, 4))
+        obj[SCALE_KEY] = height_mm / height
 
 
 def _heights(mesh: bpy.types.Mesh) -> np.ndarray:

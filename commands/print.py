@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..core.model import SupportMark
 from ..core.outputs import OutputFiles
 from .arguments import add_settings, chosen_settings, positive
 from .pictures import picture_options
@@ -17,15 +18,21 @@ HELP = "turn a textured model into a dual-colour print"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("model", type=Path, metavar="MODEL", help=".blend, .obj, .stl, .ply, .glb or .gltf file")
-    parser.add_argument("--object", default="", metavar="NAME", help="object to print (default: all meshes of an "
-                        "imported file, the active mesh of a .blend)")  # fmt: skip
+    parser.add_argument("model", type=Path, nargs="+", metavar="MODEL", help=".blend, .obj, .stl, .ply, .glb or .gltf "
+                        "file; several are printed on one plate")  # fmt: skip
+    parser.add_argument("--object", action="append", default=[], metavar="NAME", help="object to print, repeatable "
+                        "(default: all meshes of an imported file as one, the active mesh of a .blend)")  # fmt: skip
+    parser.add_argument("--arrange", action="store_true", help="put several objects side by side; else they keep their "
+                        "places")  # fmt: skip
     parser.add_argument("--texture", type=Path, metavar="IMAGE", help="picture to print instead of the model's own")
     parser.add_argument("--up", choices=("y", "z"), default="", help="axis of the file that points up (default: y for "
                         ".obj, .glb and .gltf, z for .stl, .ply and .blend)")  # fmt: skip
-    parser.add_argument("--height-mm", type=positive, metavar="H", help="scale to this height (default: the size in "
-                        "the file, one unit of an imported file being 1 mm)")  # fmt: skip
+    parser.add_argument("--height-mm", type=positive, metavar="H", help="scale each file to this height (default: the "
+                        "size in the file, one unit of an imported file being 1 mm)")  # fmt: skip
     parser.add_argument("--unwrap", choices=("smart", "xatlas"), help="make UVs if the mesh has none")
+    for mark, what in (("enforcer", "there are supports"), ("blocker", "there are none")):
+        parser.add_argument(f"--support-{mark}", action="append", default=[], metavar="FILE", help="model file, or "
+                            f"object of a .blend, in whose inside {what}, repeatable")  # fmt: skip
     add_settings(parser)
     add_outputs(parser)
 
@@ -40,20 +47,26 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
 
 
 def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
-    """Open the model, print it, and say what came out.
+    """Open the models, print them, and say what came out.
 
     Raises:
         PrintError: the input cannot be printed, or a file cannot be written.
     """
     settings = chosen_settings(args)
+    if args.arrange:
+        settings = settings.changed({"arrange": True})
     from ..bridge.image_input import load_image
-    from ..bridge.model_file import open_model
+    from ..bridge.marker_file import open_marker
+    from ..bridge.model_file import open_models
     from ..bridge.quiet import quiet_stdout
     from ..bridge.unwrap import unwrap
 
     with quiet_stdout():
-        obj = open_model(args.model, args.object, args.up, args.height_mm)
-        if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
-            unwrap(obj, args.unwrap)
+        obj, *others = objects = open_models(args.model, args.object, args.up, args.height_mm)
+        for each in objects if args.unwrap else ():
+            if each.type == "MESH" and not each.data.uv_layers:
+                unwrap(each, args.unwrap)
+        named = {SupportMark.ENFORCER: args.support_enforcer, SupportMark.BLOCKER: args.support_blocker}
+        markers = [(open_marker(name, obj, args.up), mark) for mark, names in named.items() for name in names]
         image = load_image(args.texture) if args.texture else None
-    return summary(produce(obj, image, settings, paths, files, picture_options(args)))
+    return summary(produce(obj, image, settings, paths, files, picture_options(args), others, markers))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,7 @@ from .terminal import Progress
 if TYPE_CHECKING:
     import bpy
 
-    from ..core.model import SurfaceModel
+    from ..core.model import SupportMark, SurfaceModel
     from ..core.pipeline import DualColorPrint
 
 OUTPUTS = ("gcode", "x3g", "blend", "mesh", "report", "dump", "save_settings")
@@ -56,16 +57,20 @@ def produce(
     paths: dict[str, Path],
     files: OutputFiles,
     pictures: PictureOptions,
+    others: Sequence[bpy.types.Object] = (),
+    markers: Sequence[tuple[bpy.types.Object, SupportMark]] = (),
 ) -> DualColorPrint:
-    """Compute the print of an object, then write what was asked for.
+    """Compute the print of an object, or of several on a plate, then write what was asked for.
 
     Args:
-        obj: the mesh object.
-        image: a picture instead of the object's own, or None.
+        obj: the mesh object; it gives the print its name.
+        image: a picture instead of the objects' own, or None.
         settings: of the print.
         paths: the path of each kind of output that is wanted, by a name of `OUTPUTS` or a picture's.
         files: where they are staged.
         pictures: how pictures are taken.
+        others: the objects beside it.
+        markers: objects that enforce or block supports.
 
     Raises:
         PrintError: the input cannot be printed, or a file cannot be written.
@@ -73,18 +78,19 @@ def produce(
     import bpy
 
     from ..bridge.curves import build_preview
-    from ..bridge.mesh_input import surface_model
+    from ..bridge.plate import plate_model
     from ..bridge.quiet import quiet_stdout
     from ..core import pipeline
 
-    model = surface_model(obj, bpy.context.evaluated_depsgraph_get(), settings, image)
+    objects = [obj, *others]
+    model = plate_model(objects, bpy.context.evaluated_depsgraph_get(), settings, [image] * len(objects), markers)
     with Progress() as progress:
         result = pipeline.generate(model, settings, progress.show)
         with quiet_stdout():
             result = _write(result, paths, files, progress)
             if strands_wanted(paths):
                 progress.show(1.0, "building the strands")
-                save_strands(build_preview(result, obj), paths, files, pictures, progress, model, settings)
+                save_strands(build_preview(result, obj, others), paths, files, pictures, progress, model, settings)
     return result
 
 

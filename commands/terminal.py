@@ -37,8 +37,10 @@ def summary(result: DualColorPrint) -> list[str]:
     size = " × ".join(f"{b - a:.1f}" for a, b in zip(low, high, strict=True))
     hours, minutes = divmod(round(report["time_s"]["total"] / 60), 60)
     filament = report["filament"]
+    count = len(report["objects"])
+    name = f"{result.name}, plate of {count} objects" if count > 1 else result.name
     return [
-        f"{result.name}: {size} mm, {report['layers']} layers, {report['tool_changes']} tool changes",
+        f"{name}: {size} mm, {report['layers']} layers, {report['tool_changes']} tool changes",
         f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
         f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
         *(f"warning: {warning}" for warning in result.warnings),

@@ -1,18 +1,26 @@
 """Several objects printed together, in Blender and on the command line."""
 
+import json
+
 import bpy
 import dualcolor
 import numpy as np
 import pytest
+from dualcolor import cli
 from dualcolor.bridge.curves import companions_of, preview_of, read_strands
+from dualcolor.bridge.marker_file import open_marker
 from dualcolor.bridge.mesh_input import surface_model
 from dualcolor.bridge.model_file import open_model, open_models
 from dualcolor.bridge.plate import objects_to_print, plate_model
 from dualcolor.bridge.properties import report_of
 from dualcolor.core.errors import PrintError
+from dualcolor.core.model import SupportMark
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.scene import add_box, add_material, add_uvs, extent, flat_image, fresh, model_of
+from mathutils import Matrix
+
+FAST = ["--set", "layer_height=0.5", "--set", "first_layer_height=0.5"]
 
 
 @pytest.fixture
@@ -134,6 +142,61 @@ def test_objects_of_a_blend_keep_their_distances_when_scaled(tmp_path):
     stl = box_file(tmp_path, "one", (10, 20, 5))
     with pytest.raises(PrintError, match="--object chooses from a single file"):
         open_models([stl, stl], ["one"])
+
+
+def test_the_command_line_prints_a_plate(tmp_path, capfd):
+    one, two = box_file(tmp_path, "one", (10, 20, 5)), box_file(tmp_path, "two", (8, 8, 8))
+    outputs = ["--gcode", str(tmp_path / "p.gcode"), "--report", str(tmp_path / "p.json")]
+    assert cli.main(["print", str(one), str(two), str(one), "--arrange", *FAST, *outputs]) == 0
+    report = json.loads((tmp_path / "p.json").read_text())
+    assert [row["name"] for row in report["objects"]] == ["one", "two", "one.001"]
+    assert not any("run into each other" in warning for warning in report["warnings"])
+    assert "plate of 3 objects" in capfd.readouterr().out
+    assert cli.main(["print", str(one), str(two), *FAST, *outputs]) == 0
+    assert any(
+        "one and two run into each other" in warning
+        for warning in json.loads((tmp_path / "p.json").read_text())["warnings"]
+    )
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".blend"])
+def test_a_marker_goes_with_its_model(tmp_path, suffix):
+    """A table of 14 mm, scaled to 28 mm, whose left half is blocked by a box of its own file or scene."""
+    fresh()
+    table = add_box((30, 6, 4), "table")
+    table.data.transform(Matrix.Translation((0, 0, 10)))
+    foot, marker = add_box((6, 6, 10.5), "foot"), add_box((15, 6, 8), "marker")
+    foot.location.x, marker.location.z = 12, 8
+    bpy.context.view_layer.update()
+    with bpy.context.temp_override(active_object=table, selected_editable_objects=[table, foot]):
+        bpy.ops.object.join()
+    path, names = tmp_path / f"table{suffix}", "marker"
+    if suffix == ".blend":
+        bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    else:
+        for obj in (table, marker):
+            bpy.ops.object.select_all(action="DESELECT")
+            obj.select_set(True)
+            bpy.ops.wm.stl_export(filepath=str(tmp_path / f"{obj.name}.stl"), export_selected_objects=True)
+        names = str(tmp_path / "marker.stl")
+    obj = open_models([path], ["table"] if suffix == ".blend" else [], height_mm=28)[0]
+    held = open_marker(names, obj)
+    assert held.hide_render and bpy.context.view_layer.objects.active == obj
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    model = plate_model([obj], depsgraph, PrintSettings(), [None], [(held, SupportMark.BLOCKER)])
+    low, high = model.volumes[0].vertices.min(axis=0), model.volumes[0].vertices.max(axis=0)
+    np.testing.assert_allclose([low, high], [[0, 0, 16], [30, 12, 32]], atol=1e-4)
+    with pytest.raises(PrintError, match="no file nothing and no object"):
+        open_marker("nothing", obj)
+
+
+def test_the_command_line_takes_markers(tmp_path, capfd):
+    tall, wide = box_file(tmp_path, "tall", (10, 10, 6)), box_file(tmp_path, "wide", (9, 9, 9))
+    outputs = ["--gcode", str(tmp_path / "p.gcode"), "--report", str(tmp_path / "p.json")]
+    assert cli.main(["print", str(tall), "--support-blocker", str(wide), *FAST, *outputs]) == 0
+    report = json.loads((tmp_path / "p.json").read_text())
+    assert len(report["objects"]) == 1
+    assert any("do nothing while support_enable is off" in warning for warning in report["warnings"])
 
 
 def test_a_companion_that_was_deleted_does_no_harm(blocks):
