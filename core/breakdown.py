@@ -17,6 +17,7 @@ from .statistics import filament_use, move_seconds, tool_change_rows
 from .toolpaths.assemble import assemble
 from .toolpaths.moves import Feature, Moves, Paths
 from .toolpaths.order import ordered
+from .toolpaths.travels import Rooms
 
 # Rules of thumb for an enclosed printer in a room of this temperature; they only tell how long to wait for the start.
 ROOM_C = 22.0
@@ -91,13 +92,17 @@ def filament_report(moves: Moves, settings: PrintSettings) -> dict[str, Any]:
     return report
 
 
-def single_color_seconds(outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings) -> float:
+def single_color_seconds(
+    outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings, within: Rooms | None = None
+) -> float:
     """Seconds that `single_color_moves` take."""
-    moves = single_color_moves(outlines, paths, layers, settings)
+    moves = single_color_moves(outlines, paths, layers, settings, within)
     return float(move_seconds(moves, settings.printer_profile).sum())
 
 
-def single_color_moves(outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings) -> Moves:
+def single_color_moves(
+    outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings, within: Rooms | None = None
+) -> Moves:
     """The same object by one tool: the outlines without their wave at the speed of walls, no tower, all else as it is.
 
     The walls and the fill behind the outline stay where the wave lets them be, half a wave's depth farther inside than
@@ -108,12 +113,13 @@ def single_color_moves(outlines: WavedOutlines, paths: Paths, layers: Layers, se
         paths: of the dual-colour print: fill, inner walls, supports; outer walls and towers are passed over.
         layers: the stack.
         settings: of the print.
+        within: where travels stay unseen, if that is known.
     """
     dropped = [int(feature) for feature in (Feature.OUTER_WALL, *ONLY_DUAL)]
     wall = _unwaved(outlines, settings.chord_tolerance)
     rest = _selected(paths, ~np.isin(paths.feature, dropped))
     plain = replace(settings, wave_speed=settings.outline_speed)
-    return assemble(ordered(Paths.joined([wall, rest]), plain), layers, plain, single_color=True)
+    return assemble(ordered(Paths.joined([wall, rest]), plain), layers, plain, within, single_color=True)
 
 
 def _unwaved(outlines: WavedOutlines, tolerance: float) -> Paths:

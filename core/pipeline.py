@@ -33,6 +33,7 @@ from .toolpaths.order import ordered
 from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
 from .toolpaths.raft import lifted, raised
 from .toolpaths.surroundings import ground, surrounding_paths
+from .toolpaths.travels import Rooms, rooms
 
 Progress = tuple[float, str]
 # Outlines behind the wave may differ from the true ones by this much, mm.
@@ -129,9 +130,12 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         holding = supports(mesh, cut, lines, depth, settings)
         inner = Paths.joined([fill, holding.paths])
         yield stage(0.75, "toolpaths")
-        moves = _moves(outlines, fill, holding, cut, settings)
+        within = rooms(inside, cut.polygon_layer, cut.regions)
+        moves = _moves(outlines, fill, holding, cut, within, settings)
         # Not beside the toolpaths, whose tables are as large as its own: memory would grow by a third.
-        alone = beside.submit(clock.timed, "single color", single_color_seconds, outlines, inner, cut.layers, settings)
+        alone = beside.submit(
+            clock.timed, "single color", single_color_seconds, outlines, inner, cut.layers, settings, within
+        )
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
         single_color = alone.result()
@@ -163,13 +167,15 @@ def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -
     return average_along_wall(tone, lines, settings.wavelength)
 
 
-def _moves(outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, settings: PrintSettings) -> Moves:
+def _moves(
+    outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, within: Rooms, settings: PrintSettings
+) -> Moves:
     wall = outer_wall_paths(outlines)
     covered = with_supports(cut.regions, holding.areas, settings)
     layers = raised(cut.layers, settings)
     around = surrounding_paths(ground(covered, wall, settings), layers, settings)
     part = lifted(Paths.joined([wall, fill, holding.paths]), settings)
-    moves = assemble(ordered(Paths.joined([part, around]), settings), layers, settings)
+    moves = assemble(ordered(Paths.joined([part, around]), settings), layers, settings, within)
     check(moves, settings)
     return moves
 

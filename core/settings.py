@@ -208,6 +208,12 @@ class PrintSettings:
     )
     retract_speed: float = setting(25.0, "Speed of pulling back", "mm/s", 1.0, 26.0)
     deretract_speed: float = setting(25.0, "Speed of feeding again what was pulled back", "mm/s", 1.0, 26.0)
+    avoid_crossing_perimeters: bool = setting(
+        True, "Travels stay inside the outer wall where they can, along it rather than across it"
+    )
+    only_retract_when_crossing_perimeters: bool = setting(
+        True, "No retraction on travels inside the outer wall that the next layer covers"
+    )
     retract_before_travel: float = setting(1.5, "Shorter travels do not retract", "mm", 0.0, 50.0)
     wipe: float = setting(
         0.0, "Way over the line just printed while pulling back; 0 wipes on the tower only", "mm", 0.0, 10.0

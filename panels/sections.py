@@ -147,6 +147,8 @@ SECTIONS = (
             "retract_speed",
             "deretract_speed",
             "retract_before_travel",
+            "avoid_crossing_perimeters",
+            "only_retract_when_crossing_perimeters",
             "wipe",
             "z_hop",
             "z_hop_toolchange",

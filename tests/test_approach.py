@@ -18,7 +18,10 @@ RING = [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]]
 def printed(lines: list, layer: list[int], feature: Feature = Feature.INNER_WALL, **settings: float) -> Moves:
     points = np.concatenate([np.asarray(line, dtype=float) for line in lines])
     start = np.concatenate([[0], np.cumsum([len(line) for line in lines])])
-    paths = OrderedPaths(points, np.full(len(points), 0.4), start, np.array(layer), np.full(len(lines), int(feature)))
+    apart = np.arange(len(lines))
+    paths = OrderedPaths(
+        points, np.full(len(points), 0.4), start, np.array(layer), np.full(len(lines), int(feature)), apart
+    )
     top = 0.25 * np.arange(1, 5)
     return assemble(paths, Layers(top - 0.125, top, np.full(4, 0.25)), PrintSettings(**settings))
 
@@ -105,7 +108,12 @@ def test_the_tower_always_wipes_on_the_way_out():
 @pytest.mark.parametrize("extra", [0.0, 0.15])
 def test_a_whole_print_feeds_again_what_it_pulls_back(extra):
     settings = PrintSettings(
-        skirt_distance=2.0, wipe=1.5, z_hop=0.3, retract_restart_extra=extra, retract_restart_extra_toolchange=2 * extra
+        skirt_distance=2.0,
+        wipe=1.5,
+        z_hop=0.3,
+        retract_restart_extra=extra,
+        retract_restart_extra_toolchange=2 * extra,
+        only_retract_when_crossing_perimeters=False,
     )
     moves = generate(joined(cylinder(radius=5, height=2), cylinder(radius=4, height=2, x=16)), settings).moves
     pulled = np.where(moves.feature == Feature.RETRACT, moves.filament, 0.0)

@@ -127,7 +127,8 @@ def test_amount_of_filament_is_the_volume_of_the_lines(vase):
 
 
 def test_travels_longer_than_the_limit_are_retracted():
-    result = generate(joined(cylinder(radius=5, height=1), cylinder(radius=5, height=1, x=20)), SMALL)
+    settings = SMALL.changed({"only_retract_when_crossing_perimeters": False, "avoid_crossing_perimeters": False})
+    result = generate(joined(cylinder(radius=5, height=1), cylinder(radius=5, height=1, x=20)), settings)
     moves = result.moves
     travels = np.flatnonzero((moves.feature == Feature.TRAVEL) & (np.diff(moves.tool, prepend=0) == 0))[1:]
     length = np.linalg.norm(moves.position[travels, :2] - moves.position[travels - 1, :2], axis=1)

@@ -26,6 +26,7 @@ def wall(points, layer=1, feature=Feature.OUTER_WALL, width=0.4):
         start=np.array([0, len(points)]),
         layer=np.array([layer]),
         feature=np.array([int(feature)]),
+        island=np.array([0]),
     )
 
 
@@ -69,6 +70,7 @@ def test_paths_do_not_see_each_other():
         start=np.array([0, len(fine), len(fine) + 2]),
         layer=np.array([1, 1]),
         feature=np.full(2, int(Feature.OUTER_WALL)),
+        island=np.array([0, 0]),
     )
     settings = FREE.changed({"min_move_time": 10})
     speed = speeds(both, settings)

@@ -8,10 +8,11 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import sums
+from ..slicing.outlines import ranges, sums
 from ..slicing.planes import Layers
 from .moves import Feature, Moves
 from .order import OrderedPaths
+from .travels import Travels
 
 # Paths that meet within this (mm) go on without a travel.
 TOUCHING = 1e-3
@@ -32,6 +33,7 @@ class Approach:
         retracts: (K,) a long travel with retraction.
         travels: (K,) any travel; True wherever one of the others is.
         wipe: (K,) mm that the nozzle goes over the path before while the filament is pulled back.
+        via: (K,) places that it passes on the way.
         hops: whether the nozzle is lifted on travels with retraction.
     """
 
@@ -39,6 +41,7 @@ class Approach:
     retracts: BoolArray
     travels: BoolArray
     wipe: FloatArray
+    via: IntArray
     hops: bool
 
     @property
@@ -51,16 +54,19 @@ class Approach:
     def rows(self) -> IntArray:
         """(K,) moves before the path's first extrusion: pulling back, lift, travel, descent, priming, as they apply."""
         travel = np.where(self.retracts, 4 if self.hops else 2, self.travels.astype(np.int64))
-        return np.asarray(self.pulls + np.where(self.changes, 4, travel), dtype=np.int64)
+        return np.asarray(self.pulls + self.via + np.where(self.changes, 4, travel), dtype=np.int64)
 
 
-def approaches(paths: OrderedPaths, tool: IntArray, length: FloatArray, settings: PrintSettings) -> Approach:
+def approaches(
+    paths: OrderedPaths, tool: IntArray, length: FloatArray, ways: Travels, settings: PrintSettings
+) -> Approach:
     """Decide how each of K paths is reached.
 
     Args:
         paths: in printing order.
         tool: (K,) that prints each.
         length: (N,) mm from each point to the next of its path.
+        ways: from path to path.
         settings: retract_before_travel, wipe and z_hop are used.
     """
     begin, end = paths.points[paths.start[:-1]], paths.points[paths.start[1:] - 1]
@@ -70,13 +76,14 @@ def approaches(paths: OrderedPaths, tool: IntArray, length: FloatArray, settings
     changes[1:] = tool[1:] != tool[:-1]
     rises = np.zeros(len(begin), dtype=bool)
     rises[1:] = paths.layer[1:] != paths.layer[:-1]
-    retracts = (distance > settings.retract_before_travel) & ~changes
+    retracts = (distance > settings.retract_before_travel) & ~changes & ~ways.hidden
     retracts[:1] = False
     wipe = np.zeros(len(begin))
     least = np.where(paths.feature[:-1] == Feature.TOWER, TOWER_WIPE_MM, 0.0)
     wipe[1:] = np.minimum(np.maximum(least, settings.wipe), sums(length, paths.start)[:-1])
     wipe[~(changes | retracts) | (wipe < _LEAST_WIPE_MM)] = 0.0
-    return Approach(changes, retracts, (distance > TOUCHING) | rises, wipe, settings.z_hop > 0)
+    via = np.where(changes, 0, ways.count)
+    return Approach(changes, retracts, (distance > TOUCHING) | rises, wipe, via, settings.z_hop > 0)
 
 
 def fill_approaches(
@@ -86,6 +93,7 @@ def fill_approaches(
     first: IntArray,
     approach: Approach,
     length: FloatArray,
+    ways: Travels,
     settings: PrintSettings,
 ) -> None:
     """Write the moves before each path, in place.
@@ -97,9 +105,11 @@ def fill_approaches(
         first: (K,) row at which each path's approach begins.
         approach: how each path is reached.
         length: (N,) mm from each point to the next of its path.
+        ways: from path to path.
         settings: lengths and speeds of retraction, lifts.
     """
     first_point = np.column_stack([paths.points[paths.start[:-1]], layers.top[paths.layer]])
+    _pass_by(table, first_point, first, approach, ways, settings)
     left = _pull_back(table, paths, layers, first, approach, length, settings)
 
     def prime(rows: IntArray, chosen: IntArray, amount: float) -> None:
@@ -125,10 +135,24 @@ def fill_approaches(
         # Over the higher of the two layers, as a travel may lead up a layer.
         height = np.maximum(left[retracted, 2], first_point[retracted, 2]) + settings.z_hop
         table.position[row] = np.column_stack([left[retracted, :2], height])
-        table.position[row + 1] = np.column_stack([first_point[retracted, :2], height])
-        row = row + 2
+        row = row + 1 + approach.via[retracted]
+        table.position[row] = np.column_stack([first_point[retracted, :2], height])
+        row = row + 1
+    else:
+        row = row + approach.via[retracted]
     table.position[row] = first_point[retracted]
     prime(row + 1, retracted, settings.retract_length + settings.retract_restart_extra)
+
+
+def _pass_by(
+    table: Moves, first_point: FloatArray, first: IntArray, approach: Approach, ways: Travels, settings: PrintSettings
+) -> None:
+    """Write the travels by way of other places; those have the height of the travel, which stays on its layer."""
+    path = np.repeat(np.arange(len(first)), approach.via)
+    lifted = approach.retracts & approach.hops
+    row = ranges(first + approach.pulls + lifted, approach.via)
+    table.position[row, :2] = ways.via[ranges(ways.start[:-1], approach.via)]
+    table.position[row, 2] = first_point[path, 2] + np.where(lifted[path], settings.z_hop, 0.0)
 
 
 def _pull_back(

@@ -15,11 +15,18 @@ from .approach import approaches, fill_approaches
 from .moves import Feature, Moves
 from .order import OrderedPaths
 from .speeds import chord_lengths, extrusion_speeds
+from .travels import Rooms, travels
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
-def assemble(paths: OrderedPaths, layers: Layers, settings: PrintSettings, single_color: bool = False) -> Moves:
+def assemble(
+    paths: OrderedPaths,
+    layers: Layers,
+    settings: PrintSettings,
+    within: Rooms | None = None,
+    single_color: bool = False,
+) -> Moves:
     """All moves of the print.
 
     A tool change is: pull the old filament back, lift, change and travel to the next path above the print, come down,
@@ -29,13 +36,15 @@ def assemble(paths: OrderedPaths, layers: Layers, settings: PrintSettings, singl
         paths: K paths in printing order.
         layers: the stack.
         settings: of the print.
+        within: where travels stay unseen, if that is known.
         single_color: print all layers with tool 0, for comparison.
     """
     tool = np.zeros_like(paths.layer) if single_color else tool_of_layer(paths.layer, settings)
     length = chord_lengths(paths)
-    approach = approaches(paths, tool, length, settings)
+    ways = travels(paths, within, settings)
+    approach = approaches(paths, tool, length, ways, settings)
     table, first_row = _extrusions(paths, tool, layers, approach.rows, length, settings)
-    fill_approaches(table, paths, layers, first_row, approach, length, settings)
+    fill_approaches(table, paths, layers, first_row, approach, length, ways, settings)
     return table
 
 

@@ -27,6 +27,7 @@ class OrderedPaths:
         start: (K + 1,) int64.
         layer: (K,) int64, not decreasing.
         feature: (K,) int64.
+        island: (K,) int64, see `Paths`.
     """
 
     points: FloatArray
@@ -34,6 +35,7 @@ class OrderedPaths:
     start: IntArray
     layer: IntArray
     feature: IntArray
+    island: IntArray
 
 
 def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
@@ -165,5 +167,10 @@ def _laid_out(paths: Paths, sequence: IntArray, offset: IntArray, flipped: BoolA
     # A line printed backwards leaves its points by the segment that used to arrive there.
     leaving = np.where(flipped[row], paths.start[row] + np.maximum(local - 1, 0), point)
     return OrderedPaths(
-        paths.points[point], paths.width[leaving], starts(printed), paths.layer[sequence], paths.feature[sequence]
+        points=paths.points[point],
+        width=paths.width[leaving],
+        start=starts(printed),
+        layer=paths.layer[sequence],
+        feature=paths.feature[sequence],
+        island=paths.island[sequence],
     )

@@ -1,0 +1,186 @@
+"""Travels that stay inside the part: around what they would cross, and without retraction where nobody sees them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..pattern.chunks import in_chunks
+from ..settings import PrintSettings
+from ..slicing.outlines import starts
+from .order import OrderedPaths
+from .ring_walks import walks_along
+
+_TOLERANCE_MM = 0.1  # by which the inside of the wall is simplified, and a way along it
+_SHAPES_AT_ONCE = 64
+# A way around is worth as much time as pulling the filament back twice, and this many times the straight way.
+_DETOUR = 2.0
+
+
+@dataclass(frozen=True)
+class Rooms:
+    """Where the nozzle may go unseen, for the I islands of the object.
+
+    Attributes:
+        inside: (I,) Polygon or MultiPolygon, what lies inside the line of the outer wall; maybe empty.
+        above: (I,) what the next layer covers there and elsewhere; empty above the last one.
+    """
+
+    inside: NDArray[np.object_]
+    above: NDArray[np.object_]
+
+
+@dataclass(frozen=True)
+class Travels:
+    """How the nozzle gets to each of K paths.
+
+    Attributes:
+        via: (V, 2) mm, places on the way.
+        start: (K + 1,) int64, where the places before each path start.
+        hidden: (K,) bool, the way stays inside the wall and below the next layer: what oozes is not seen.
+    """
+
+    via: FloatArray
+    start: IntArray
+    hidden: BoolArray
+
+    @property
+    def count(self) -> IntArray:
+        """(K,) places on the way to each path."""
+        return np.diff(self.start)
+
+
+def rooms(inside: NDArray[np.object_], layer: IntArray, regions: NDArray[np.object_]) -> Rooms:
+    """The rooms of islands.
+
+    Args:
+        inside: (I,) what lies inside the line of the outer wall.
+        layer: (I,) of each.
+        regions: (L,) cross-section of each layer.
+    """
+    following = np.append(regions, np.array([shapely.Polygon()], dtype=object))
+    return Rooms(inside, following[layer + 1])
+
+
+def straight(paths: OrderedPaths) -> Travels:
+    """No way around anything, and nothing is hidden."""
+    count = len(paths.layer)
+    return Travels(np.zeros((0, 2)), np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=bool))
+
+
+def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) -> Travels:
+    """Look at every longer travel inside an island of the object.
+
+    One that would leave the inside of the wall follows the wall's inner side instead, the shorter way round, unless
+    that is too far.
+
+    Args:
+        paths: K, in printing order.
+        within: the islands, if they are known.
+        settings: avoid_crossing_perimeters, only_retract_when_crossing_perimeters, the retraction and speeds.
+    """
+    plain = straight(paths)
+    if within is None or not (settings.avoid_crossing_perimeters or settings.only_retract_when_crossing_perimeters):
+        return plain
+    begin, end = paths.points[paths.start[:-1]], paths.points[paths.start[1:] - 1]
+    far = np.hypot(*(begin[1:] - end[:-1]).T) > settings.retract_before_travel
+    path = np.flatnonzero(far & (paths.island[1:] == paths.island[:-1]) & (paths.island[1:] >= 0)) + 1
+    if not len(path):
+        return plain
+    room = within.inside[paths.island[path]]
+    lines = shapely.linestrings(np.stack([end[path - 1], begin[path]], axis=1))
+    reach = _wall_depth(settings)
+    crosses = _leaves(lines, room, reach)
+    if settings.avoid_crossing_perimeters and crosses.any():
+        chosen = np.flatnonzero(crosses)
+        around = _around(lines[chosen], paths.island[path[chosen]], within.inside, settings)
+        good = ~_leaves(around, room[chosen], reach) & _worth(around, lines[chosen], settings)
+        lines[chosen[good]] = around[good]
+        crosses[chosen[good]] = False
+    hidden = plain.hidden.copy()
+    if settings.only_retract_when_crossing_perimeters:
+        (covered,) = in_chunks(lambda shape, line: (_covers(shape, line),), within.above[paths.island[path]], lines)
+        hidden[path] = ~crosses & covered
+    points, line = shapely.get_coordinates(lines, return_index=True)
+    between = np.ones(len(points), dtype=bool)
+    ends = starts(np.bincount(line, minlength=len(lines)))
+    between[ends[:-1]] = between[ends[1:] - 1] = False
+    count = np.zeros(len(hidden), dtype=np.int64)
+    count[path] = np.bincount(line[between], minlength=len(lines))
+    return Travels(points[between], starts(count), hidden)
+
+
+def _wall_depth(settings: PrintSettings) -> float:
+    """Mm from the outermost point of the outer wall's line to its inside, with what the inside is simplified by."""
+    waves = 0.0 if settings.pattern == "offset" else settings.wave_depth_max
+    return waves + 2 * _TOLERANCE_MM
+
+
+def _covers(shapes: NDArray[np.object_], lines: NDArray[np.object_]) -> BoolArray:
+    shapely.prepare(shapes)
+    return np.asarray(shapely.covers(shapes, lines))
+
+
+def _leaves(lines: NDArray[np.object_], room: NDArray[np.object_], reach: float) -> BoolArray:
+    """(T,) lines of which some piece outside their room is longer than `reach`, mm: they cross the wall."""
+
+    def chunk(line: NDArray[np.object_], shape: NDArray[np.object_]) -> tuple[BoolArray]:
+        leaves = ~_covers(shape, line)
+        piece, owner = shapely.get_parts(shapely.difference(line[leaves], shape[leaves]), return_index=True)
+        longest = np.zeros(int(leaves.sum()))
+        np.maximum.at(longest, owner, shapely.length(piece))
+        leaves[leaves] = longest > reach
+        return (leaves,)
+
+    return in_chunks(chunk, lines, room, rows=_SHAPES_AT_ONCE)[0]
+
+
+def _worth(around: NDArray[np.object_], lines: NDArray[np.object_], settings: PrintSettings) -> BoolArray:
+    retraction = 2 * settings.retract_length / settings.retract_speed * settings.travel_speed
+    return np.asarray(shapely.length(around) <= _DETOUR * (shapely.length(lines) + retraction))
+
+
+def _around(
+    lines: NDArray[np.object_], island: IntArray, inside: NDArray[np.object_], settings: PrintSettings
+) -> NDArray[np.object_]:
+    """(T,) lines whose pieces outside their room follow its boundary, half a line inside; where that fails, the lines.
+
+    What a line leaves a room by and comes back in by lie on the same ring: outside of it is one connected place.
+    """
+    used, room = np.unique(island, return_inverse=True)
+    (inner,) = in_chunks(
+        lambda shape: (shapely.buffer(shape, -settings.extrusion_width / 2, quad_segs=2),),
+        inside[used],
+        rows=_SHAPES_AT_ONCE,
+    )
+    usable = np.flatnonzero(~shapely.is_empty(inner)[room])
+    result = lines.copy()
+    if not len(usable):
+        return result
+    room = np.unique(room[usable], return_inverse=True)[1]
+    inner = inner[~shapely.is_empty(inner)]
+    lines = lines[usable]
+    (outside,) = in_chunks(
+        lambda line, shape: (shapely.difference(line, shape),), lines, inner[room], rows=_SHAPES_AT_ONCE
+    )
+    pieces, owner = shapely.get_parts(outside, return_index=True)
+    begin, end = (shapely.get_coordinates(shapely.get_point(pieces, at)) for at in (0, -1))
+    parts, of_part = shapely.get_parts(inner, return_index=True)
+    rings, part = shapely.get_rings(parts, return_index=True)
+    walks, start, sound = walks_along(rings, of_part[part], begin, end, room[owner])
+    # All along a line: its begin, for each piece the walk instead, its end.
+    tips = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+    piece = np.repeat(np.arange(len(pieces)), np.diff(start))
+    away = np.hypot(*(begin - tips[owner, 0]).T)
+    number = np.arange(len(lines))
+    line = np.concatenate([number, owner[piece], number])
+    order = np.lexsort((np.concatenate([number - np.inf, away[piece], number + np.inf]), line))
+    routes = shapely.linestrings(np.concatenate([tips[:, 0], walks, tips[:, 1]])[order], indices=line[order])
+    good = np.ones(len(lines), dtype=bool)
+    good[owner[~sound]] = False
+    result[usable[good]] = shapely.simplify(routes[good], _TOLERANCE_MM, preserve_topology=False)
+    return result
