@@ -205,19 +205,20 @@ def row(path: Path, result: DualColorPrint, comparison: Comparison) -> str:
     """One line of the table."""
     low, high = result.mesh.bounds
     estimate = result.report["time_s"]["total"]
+    difference = estimate / comparison.simulated_s - 1
     cells = [
         path.name,
         " × ".join(f"{side:.0f}" for side in high - low),
         str(result.report["layers"]),
         str(comparison.tool_changes),
         f"{comparison.moves:,}",
-        str(len(comparison.diagnostics) or "none"),
+        str(len(comparison.diagnostics) or "nothing"),
         "all" if comparison.equal_moves == comparison.moves else f"{comparison.equal_moves:,}",
         "equal" if comparison.same_heaters else "differ",
         "yes" if comparison.same_bytes else "no",
         str(len(comparison.findings) or "finds nothing"),
         f"{estimate / 60:.0f} min",
-        f"{100 * (estimate / comparison.simulated_s - 1):+.1f} %",
+        f"{difference:+.1%}" if abs(difference) >= 0.001 else "within 0.1 %",
     ]
     return f"| {' | '.join(cells)} |"
 
