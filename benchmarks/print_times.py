@@ -21,26 +21,26 @@ import numpy as np  # noqa: E402
 from dualcolor.benchmarks.models import obj_triangles, scaled  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
+from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 
 DATA = ROOT.parent / "shared" / "data"
 OUT = ROOT / "docs" / "print_times.md"
 HEIGHTS_MM = {"gargoyle": 102.0, "kitten": 54.0}
+PAPER = preset_values(["paper"])
+UNLIMITED = {"max_curve_acceleration": 20000, "min_move_time": 0, "wave_speed": 40}
 VARIANTS: dict[str, dict[str, Any]] = {
     "default settings": {},
     "with supports": {"support_enable": True},
-    "curves as the firmware allows": {
-        "max_curve_acceleration": 20000,
-        "min_move_time": 0,
-        "chord_tolerance": 0.01,
-        "wave_speed": 40,
-    },
+    "preset `paper`": PAPER,
+    "preset `paper`, curves as the firmware allows": PAPER | UNLIMITED,
 }
+SPOT_MM = 20.0
 HEAD = """# Print times
 
 Made by `benchmarks/print_times.py`; seconds are those of the planner model (`core/statistics.py`), heating apart. All
-times of a row have the same layers, walls, fill and speeds; the single colour prints the outlines without their wave at
-`outline_speed` = {outline:g} mm/s.
+times of a row have the same layers, walls, fill and speeds; the single colour prints the outlines as they are at
+`outline_speed` = {outline:g} mm/s. The objects are painted with soft spots, black to white, 20 mm apart.
 
 | object | settings | layers | single colour | dual colour | ratio | with tower | ratio | waved wall | tool changes |
 |---|---|---|---|---|---|---|---|---|---|
@@ -49,12 +49,11 @@ TAIL = """
 The paper (figures of its own prints, other settings): gargoyle 5 h 48 min in one colour, 6 h 56 min in two (1.20),
 8 h 28 min with a tower (1.46); LucyCat 45, 58 and 102 min (1.29 and 2.27).
 
-What stands between these ratios and the paper's is the wave itself. It makes the outline about 1.6 times as long and
-bends it to radii of 0.15 mm, where `max_curve_acceleration` = 1000 mm/s² leaves 12 mm/s. The paper's gargoyle took 51 s
-a layer in a single colour, ours takes about 15 s; in seconds a layer two colours cost less here than the paper's 10 s.
-Without the limit (last rows) the ratios are below the paper's: waves print as fast as the firmware's corners allow, but
-in moves of 2 to 3 ms, which its processor may not keep up with, and the frame shakes; so it is no default. Supports,
-which both kinds of prints need alike, bring the ratio down.
+With its default, lines set back without a wave, the program stays below the paper's ratios, with and without the tower.
+Waves cost more: they make the outline about 1.6 times as long and bend it to radii of 0.15 mm, where
+`max_curve_acceleration` = 1000 mm/s² leaves 12 mm/s. Without that limit (last rows) even the waves are as quick as the
+paper's, but in moves of 2 to 3 ms, which the printer's processor may not keep up with, and the frame shakes; so that is
+no default.
 """
 
 
@@ -96,10 +95,12 @@ def row(name: str, title: str, path: Path, height: float, settings: PrintSetting
 
 
 def read_model(path: Path, height: float) -> SurfaceModel:
-    """A mesh without UVs, which prints in one even tone: both colours with their full waves, the slowest case."""
+    """A mesh with a tone at every corner: soft spots from black to white."""
     points, faces = obj_triangles(path)
     start, texture = np.arange(len(faces) + 1) * 3, np.full(len(faces), -1, dtype=np.int64)
-    return SurfaceModel(scaled(points, height), start, faces.ravel(), None, None, texture, (), path.stem)
+    vertices = scaled(points, height)
+    tone = 0.5 + 0.5 * np.sin(vertices * (2 * np.pi / SPOT_MM)).prod(axis=1)
+    return SurfaceModel(vertices, start, faces.ravel(), None, tone[faces.ravel()], texture, (), path.stem)
 
 
 def minutes(seconds: float) -> str:
