@@ -10,6 +10,7 @@ from ..fill.walls import offset, simplified
 from ..model import FloatArray
 from ..pattern.contours import Contours
 from ..settings import PrintSettings
+from ..slicing.planes import line_widths
 from ..slicing.slices import Slices
 from ..toolpaths.outer_wall import inside_of_wall
 from .overlay import GRID_MM, SIMPLIFY_MM, gathered
@@ -39,17 +40,18 @@ def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settin
     layer = cut.polygon_layer[owner]
     order = np.argsort(layer, kind="stable")
     crests = gathered(parts[order], layer[order], len(cut.regions))
-    width = settings.extrusion_width
+    half = settings.extrusion_width / 2
+    wall = line_widths(np.arange(len(cut.regions)), settings) / 2
 
-    def chunk(crest: Shapes, sliced: Shapes) -> tuple[Shapes, Shapes]:
+    def chunk(crest: Shapes, sliced: Shapes, half_wall: FloatArray) -> tuple[Shapes, Shapes]:
         # The smooth contour leaves the surface in sharp notches, so both count; both are as wide as their strands.
-        strands = offset(crest, width + _MARGIN_MM)
-        surface = offset(simplified(sliced, _TOLERANCE_MM), width / 2 + _MARGIN_MM)
+        strands = offset(crest, half_wall + half + _MARGIN_MM)
+        surface = offset(simplified(sliced, _TOLERANCE_MM), half + _MARGIN_MM)
         touching = shapely.union(strands, surface)
         beside = offset(touching, settings.support_xy_distance)
         return simplified(touching, _TOLERANCE_MM), simplified(beside, _TOLERANCE_MM)
 
-    touching, beside = in_chunks(chunk, crests, cut.regions)
+    touching, beside = in_chunks(chunk, crests, cut.regions, wall)
     return _with_neighbours(beside, touching, gap)
 
 
