@@ -126,7 +126,9 @@ class PrintSettings:
 
     # Order
     outer_wall_first: bool = setting(False, "Print the waved outline before the walls behind it")
-    seam_position: str = setting("rear", "Where outlines start and end", choices=("aligned", "rear"))
+    seam_position: str = setting(
+        "rear", "Where outlines start and end", choices=("aligned", "rear", "nearest", "valley")
+    )
 
     # Adhesion and tower
     brim_width: float = setting(0.0, "Width of the brim around the first layer; 0 is none", "mm", 0.0, 50.0)

@@ -11,7 +11,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
 from .moves import Feature, Paths
-from .seams import seam_offsets
+from .seams import has_seam, seam_offsets
 
 # Paths that are looked at one by one; more of them at once.
 _MANY = 64
@@ -49,6 +49,8 @@ def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
     first = paths.start[:-1] + offset
     last = np.where(paths.closed, first, paths.start[1:] - 1)
     walk = _Walk(_complex(paths.points[first]), _complex(paths.points[last]))
+    if settings.seam_position == "nearest":
+        walk.choose_seams(paths)
     rank = _ranks(settings)[paths.feature]
     order = np.lexsort((rank, paths.island, paths.layer))
     key = np.stack([paths.layer, paths.island, rank])[:, order]
@@ -65,6 +67,8 @@ def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
         walk.print_layer(islands)
     flipped = np.zeros(len(order), dtype=bool)
     flipped[walk.flipped] = True
+    for path, seam in walk.seams.items():
+        offset[path] = seam
     return _laid_out(paths, np.array(walk.sequence, dtype=np.int64), offset, flipped)
 
 
@@ -74,6 +78,7 @@ class _Walk:
     Attributes:
         sequence: the paths printed so far.
         flipped: those of them that were printed from their end to their beginning.
+        seams: for closed paths, the point nearest to where the nozzle came from, if it shall choose.
     """
 
     def __init__(self, begin: NDArray[np.complex128], end: NDArray[np.complex128]) -> None:
@@ -85,6 +90,13 @@ class _Walk:
         self._place = 0j
         self.sequence: list[int] = []
         self.flipped: list[int] = []
+        self.seams: dict[int, int] = {}
+        self._loops: Paths | None = None
+        self._seamed: BoolArray = np.zeros(0, dtype=bool)
+
+    def choose_seams(self, paths: Paths) -> None:
+        """Start closed paths at the point nearest to the nozzle from now on."""
+        self._loops, self._seamed = paths, has_seam(paths)
 
     def print_layer(self, islands: dict[int, list[list[int]]]) -> None:
         """Visit the islands of a layer: those around the part in the order of their numbers, then the nearest next.
@@ -137,6 +149,12 @@ class _Walk:
 
     def _print(self, path: int, turn: bool) -> None:
         self.sequence.append(path)
+        if self._loops is not None and self._seamed[path]:
+            loop = _complex(self._loops.points[self._loops.start[path] : self._loops.start[path + 1]])
+            seam = int(np.abs(loop - self._place).argmin())
+            self.seams[path] = seam
+            self._place = complex(loop[seam])
+            return
         if turn:
             self.flipped.append(path)
         self._place = (self._begins if turn else self._ends)[path]

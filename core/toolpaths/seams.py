@@ -4,40 +4,93 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.grid import nearest
 from ..settings import PrintSettings
-from ..slicing.outlines import ranges, starts
+from ..slicing.outlines import following, preceding, ranges, starts, sums
 from .moves import Feature, Paths
+
+# What steps back less is as good as straight (mm).
+_LEAST_VALLEY_MM = 0.05
 
 
 def seam_offsets(paths: Paths, settings: PrintSettings) -> IntArray:
     """(K,) which of its points each path starts at; 0 for open paths and for the tower.
 
     `rear` is the point farthest back (greatest Y); `aligned` starts at the rear on a loop's first layer and then
-    stays as near as it can to a seam of the layer below.
+    stays as near as it can to a seam of the layer below. `valley` does the same, but only where the line steps back
+    into the material: in the valleys of a wave, or else in concave corners, if the loop has any. `nearest` depends on
+    the way of the nozzle and is found when paths are put in order; until then it is the rear.
     """
     offset = np.zeros(len(paths.layer), dtype=np.int64)
-    # The tower turns its corner from layer to layer by itself.
-    closed = np.flatnonzero(paths.closed & (paths.feature != Feature.TOWER))
+    closed = np.flatnonzero(has_seam(paths))
     if len(closed) == 0:
         return offset
     count = np.diff(paths.start)[closed]
     points = paths.points[ranges(paths.start[closed], count)]
     group = starts(count)
-    if settings.seam_position == "rear":
+    if settings.seam_position in ("rear", "nearest"):
         offset[closed] = nearest(-points[:, 1], group)[0] - group[:-1]
         return offset
+    hidden = np.zeros(len(points))
+    if settings.seam_position == "valley":
+        hidden[~valleys(points, group, settings.wavelength / 2)] = np.inf
     layer = paths.layer[closed]
     seams = np.zeros((0, 2))
     for current in np.unique(layer):
         here = np.flatnonzero(layer == current)
-        mine = points[ranges(group[here], count[here])]
+        member = ranges(group[here], count[here])
+        mine = points[member]
         local = starts(count[here])
-        chosen = nearest(_distance_to(mine, seams), local)[0]
+        chosen = nearest(_distance_to(mine, seams) + hidden[member], local)[0]
         offset[closed[here]] = chosen - local[:-1]
         seams = mine[chosen]
     return offset
+
+
+def has_seam(paths: Paths) -> BoolArray:
+    """(K,) closed paths, but for those of the tower, which turns its corner from layer to layer by itself."""
+    return np.asarray(paths.closed & (paths.feature != Feature.TOWER))
+
+
+def valleys(points: FloatArray, start: IntArray, reach: float) -> BoolArray:
+    """(N,) points of closed loops where they step back into the material the most; all points of a loop that never does.
+
+    A point's depth is its distance from the chord between the places `reach` before and behind it on the loop, to
+    the left, where the material is. A valley is a greatest depth of at least half of the loop's greatest.
+
+    Args:
+        points: (N, 2) mm, of loops with the material to their left: counter-clockwise, holes clockwise.
+        start: (M + 1,) where each loop starts.
+        reach: mm, half a wave's length.
+    """
+    depth = _depths(points, start, reach)
+    deepest = np.maximum.reduceat(depth, start[:-1])
+    limit = np.repeat(np.maximum(deepest / 2, _LEAST_VALLEY_MM), np.diff(start))
+    valley = (depth >= limit) & (depth >= depth[following(start)]) & (depth >= depth[preceding(start)])
+    return np.asarray(valley | np.repeat(deepest < _LEAST_VALLEY_MM, np.diff(start)))
+
+
+def _depths(points: FloatArray, start: IntArray, reach: float) -> FloatArray:
+    """(N,) mm to the left of the chord from `reach` before each point to `reach` behind it."""
+    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    length = np.hypot(*(points[following(start)] - points).T)
+    around = sums(length, start)
+    arc = np.cumsum(length) - length
+    begin = arc[start[:-1]]
+    reach_of = np.minimum(reach, around / 4)[loop]
+
+    def at(shift: FloatArray) -> FloatArray:
+        """The places that lie so far along the loop."""
+        place = begin[loop] + (arc - begin[loop] + shift) % around[loop]
+        before = np.clip(np.searchsorted(arc, place, side="right") - 1, start[loop], start[loop + 1] - 1)
+        share = (place - arc[before]) / np.maximum(length[before], 1e-12)
+        return np.asarray(points[before] + share[:, None] * (points[following(start)[before]] - points[before]))
+
+    back, ahead = at(-reach_of), at(reach_of)
+    chord, way = ahead - back, points - back
+    cross = chord[:, 0] * way[:, 1] - chord[:, 1] * way[:, 0]
+    return np.asarray(cross / np.maximum(np.hypot(*chord.T), 1e-12))
 
 
 def _distance_to(points: FloatArray, seams: FloatArray) -> FloatArray:
