@@ -1,5 +1,7 @@
 """One job of ours in a process of its own: `job.py MODEL.npz OUT.gcode` prints its figures as one line of JSON.
 
+With a third argument, OUT.x3g, it prints supports and writes that file too.
+
 The clock starts with the mesh arrays in memory and stops when the G-code is on the disk; importing the program is
 measured apart.
 """
@@ -25,14 +27,14 @@ def peak_mb() -> float:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1 << (20 if sys.platform == "darwin" else 10))
 
 
-def main(model_path: str, gcode_path: str) -> dict[str, object]:
+def main(model_path: str, gcode_path: str, x3g_path: str = "") -> dict[str, object]:
     """Run the job and return its figures."""
     bare, began = peak_mb(), perf_counter()
     from launcher import load_package
 
     load_package()
     import numpy as np
-    from dualcolor.core.exports import export_gcode
+    from dualcolor.core.exports import export_gcode, export_x3g
     from dualcolor.core.model import SurfaceModel, ToneImage
     from dualcolor.core.pipeline import generate
     from dualcolor.core.settings import PrintSettings
@@ -45,7 +47,10 @@ def main(model_path: str, gcode_path: str) -> dict[str, object]:
     model = SurfaceModel(points, start, faces.ravel(), uv, None, texture, (image,), Path(model_path).stem)
 
     ready, ready_cpu = perf_counter(), os.times()
-    result = export_gcode(generate(model, PrintSettings()), Path(gcode_path))
+    settings = PrintSettings(support_enable=bool(x3g_path))
+    result = export_gcode(generate(model, settings), Path(gcode_path))
+    if x3g_path:
+        result = export_x3g(result, Path(x3g_path))
     wall, cpu = perf_counter() - ready, os.times()
     return {
         "wall_s": wall,
@@ -62,4 +67,4 @@ def main(model_path: str, gcode_path: str) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(main(sys.argv[1], sys.argv[2])))
+    print(json.dumps(main(*sys.argv[1:])))

@@ -4,8 +4,8 @@
 
 Ours: from mesh arrays in memory to a written G-code file, textured, two colours. The other one: PrusaSlicer, from an
 STL file to a written G-code file, in one colour, with the same layers, walls, skins, infill and skirt. Both run
-alternately, each in a process of its own. Without `prusa-slicer` only ours is measured; without the gargoyle's file
-only the sphere.
+alternately, each in a process of its own; ours once more with supports, and X3G beside the G-code. Without
+`prusa-slicer` only ours is measured; without the gargoyle's file only the sphere.
 """
 
 from __future__ import annotations
@@ -78,17 +78,18 @@ def main() -> int:
 
 def measured(name: str, folder: Path, slicer: str | None, repeat: int) -> dict[str, list[Run]]:
     """All runs of both programs, taken in turns; a first run of each, which fills the disk cache, is left out."""
-    ours, theirs = [], []
+    ours, theirs, supported = [], [], []
     for _ in range(repeat + 1):
         ours.append(run_ours(folder / f"{name}.npz", folder / "ours.gcode"))
+        supported.append(run_ours(folder / f"{name}.npz", folder / "ours.gcode", folder / "ours.x3g"))
         if slicer:
             theirs.append(run_prusa(slicer, folder / f"{name}.stl", folder / "theirs.gcode"))
-    return {"ours": ours[1:], "prusa": theirs[1:]}
+    return {"ours": ours[1:], "supported": supported[1:], "prusa": theirs[1:]}
 
 
-def run_ours(model: Path, gcode: Path) -> Run:
-    """One job of ours."""
-    command = [sys.executable, str(HERE / "job.py"), str(model), str(gcode)]
+def run_ours(model: Path, gcode: Path, x3g: Path | None = None) -> Run:
+    """One job of ours; with supports if an X3G file is to be written too."""
+    command = [sys.executable, str(HERE / "job.py"), str(model), str(gcode), *([str(x3g)] if x3g else [])]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
     figures: Run = json.loads(done.stdout)
     return figures
@@ -115,19 +116,20 @@ def run_prusa(slicer: str, model: Path, gcode: Path) -> Run:
 
 def print_tables(name: str, runs: dict[str, list[Run]]) -> None:
     """The comparison, and where our time goes."""
-    ours, theirs = runs["ours"], runs["prusa"]
+    ours, supported, theirs = runs["ours"], runs["supported"], runs["prusa"]
     print(f"\n{name}: {ours[0]['layers']} layers, medians of {len(ours)} runs")
-    print(f"{'':14}{'wall s':>9}{'CPU s':>9}{'peak MB':>9}{'moves':>10}{'layers':>8}")
-    for title, rows in (("ours", ours), ("PrusaSlicer", theirs)):
+    print(f"{'':17}{'wall s':>9}{'CPU s':>9}{'peak MB':>9}{'moves':>10}{'layers':>8}")
+    for title, rows in (("ours", ours), ("+ supports, X3G", supported), ("PrusaSlicer", theirs)):
         if rows:
             wall, cpu, peak = (median(row[key] for row in rows) for key in ("wall_s", "cpu_s", "peak_mb"))
-            print(f"{title:14}{wall:9.2f}{cpu:9.2f}{peak:9.0f}{rows[0]['moves']:10}{rows[0]['layers']:8}")
-    if theirs:
-        ratios = [
-            median(mine[key] / other[key] for mine, other in zip(ours, theirs, strict=True))
-            for key in ("wall_s", "cpu_s")
-        ]
-        print(f"{'ratio':14}{ratios[0]:9.2f}{ratios[1]:9.2f}   (ours / PrusaSlicer, median of the pairs)")
+            print(f"{title:17}{wall:9.2f}{cpu:9.2f}{peak:9.0f}{rows[0]['moves']:10}{rows[0]['layers']:8}")
+    for title, rows in (("ratio", ours), ("ratio, + supports", supported)):
+        if theirs:
+            wall, cpu = (
+                median(mine[key] / other[key] for mine, other in zip(rows, theirs, strict=True))
+                for key in ("wall_s", "cpu_s")
+            )
+            print(f"{title:17}{wall:9.2f}{cpu:9.2f}   (ours / PrusaSlicer, median of the pairs)")
     above = median(run["peak_mb"] - run["bare_mb"] for run in ours)
     imports = median(run["import_s"] for run in ours)
     print(

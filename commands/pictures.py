@@ -32,6 +32,7 @@ def add_pictures(parser: argparse._ActionsContainer, named: bool = True) -> None
                         "in the pictures: 0 is -Y, 90 is +X, 180 is +Y (default: 0)")  # fmt: skip
     parser.add_argument("--distance", choices=tuple(DISTANCES_MM), default="", help="leave out what an eye does not "
                         "see any more: in the hand (300 mm), on the desk (700 mm), on a shelf (2 m)")  # fmt: skip
+    parser.add_argument("--whole-plate", action="store_true", help="show supports, tower and skirt in the pictures too")
 
 
 def views(text: str) -> tuple[str, ...]:
@@ -61,4 +62,4 @@ def picture_outputs(args: argparse.Namespace, render: Path | None, sheet: Path |
 
 def picture_options(args: argparse.Namespace) -> PictureOptions:
     """How they are to be taken."""
-    return PictureOptions(azimuth_deg=args.azimuth, distance=args.distance)
+    return PictureOptions(azimuth_deg=args.azimuth, distance=args.distance, whole_plate=args.whole_plate)
