@@ -17,6 +17,9 @@ from ..toolpaths.moves import Feature, Moves
 from .numbers import COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
 
+WIDTH_STEP = 0.002
+"""mm; widths of lines are told so finely."""
+
 
 @dataclass(frozen=True)
 class Lines:
@@ -50,6 +53,8 @@ class Program:
         lines: one for each move that changes a number.
         places: (I,) int64, ascending, the line before which each insertion stands.
         insertions: comments, progress and tool changes.
+        width_places: (W,) int64, ascending, lines from which on lines of plastic have another width.
+        widths: (W,) that width in steps of `WIDTH_STEP`; before the first it is the usual one.
         end: commands after the last line.
     """
 
@@ -57,6 +62,8 @@ class Program:
     lines: Lines
     places: IntArray
     insertions: list[list[str]]
+    width_places: IntArray
+    widths: IntArray
     end: list[str]
 
 
@@ -82,7 +89,9 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
     begins = layer_begins(moves, move_seconds(moves, printer)) if begins is None else begins
     places, insertions = _insertions(moves, kept_before, begins, printer)
     last_tool = int(moves.tool[-1])
-    return Program(start.lines, lines, places, insertions, end_sequence(settings, last_tool, counters[last_tool]))
+    end = end_sequence(settings, last_tool, counters[last_tool])
+    widens, widths = _width_changes(moves, settings.extrusion_width)
+    return Program(start.lines, lines, places, insertions, kept_before[widens], widths, end)
 
 
 def _check(moves: Moves) -> None:
@@ -190,6 +199,18 @@ def _insertions(
             lines.append("; " + Feature(moves.feature[row]).name.lower().replace("_", " "))
         insertions.append(lines)
     return kept_before[rows], insertions
+
+
+def _width_changes(moves: Moves, usual: float) -> tuple[IntArray, IntArray]:
+    """Rows from which on the width is another one, and these widths in steps.
+
+    From the filament alone, whose lengths are rounded as those of the moves are, the width of a short move cannot be
+    told exactly.
+    """
+    rows = np.flatnonzero(moves.extrudes)
+    widths = np.rint(moves.width[rows] / WIDTH_STEP).astype(np.int64)
+    changes = np.flatnonzero(np.diff(widths, prepend=round(usual / WIDTH_STEP)))
+    return rows[changes], widths[changes]
 
 
 def _percents(begins: FloatArray) -> list[int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from .words import LETTERS, Words, read_words
 
 _STEPS = (0.001, 0.00001)  # mm, of positions and filament in the file
 _HINT = "export the print again"
+_WIDTH = re.compile(r"width \d{1,2}\.\d{1,6}")
 # Part of a comment in small letters → what the following lines are for. The names of our own features come first.
 _NAMES = {feature.name.lower().replace("_", " "): feature for feature in Feature if feature > Feature.RETRACT}
 _FOREIGN = {
@@ -79,7 +81,8 @@ def read_gcode(data: bytes, name: str) -> ReadPrint:
     speed = _latest(column["F"], moving) / 60
     rows = np.flatnonzero(moving & (words.line > (layer_lines[0] if layer_lines else 0)))
     feature = _features(words)[rows]
-    moves = recovered_moves(position[rows], _tool(words)[rows], fed[rows], speed[rows], feature, settings, _STEPS)
+    told = _widths(words, settings.extrusion_width)[rows] if layer_lines else None
+    moves = recovered_moves(position[rows], _tool(words)[rows], fed[rows], speed[rows], feature, settings, _STEPS, told)
     return ReadPrint(title or name, settings, moves)
 
 
@@ -143,6 +146,14 @@ def _features(words: Words) -> IntArray:
             kinds.append(seen[text])
     feature: IntArray = np.array(kinds)[np.searchsorted(lines, words.line, side="left") - 1]
     return feature
+
+
+def _widths(words: Words, usual: float) -> FloatArray:
+    """(C,) mm, the width that the latest comment before each command gives to lines, `usual` before the first."""
+    told = [(line, float(text[6:])) for line, text in words.comments if _WIDTH.fullmatch(text)]
+    lines, widths = np.array([(0, usual), *told]).T
+    width: FloatArray = widths[np.searchsorted(lines, words.line, side="left") - 1]
+    return width
 
 
 def _feature_of(text: str) -> int:

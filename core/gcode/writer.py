@@ -11,7 +11,7 @@ from ..pattern.chunks import in_threads
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 from .numbers import WordArray, coordinate_words, feedrate_words, filament_words, word
-from .program import Lines, program
+from .program import WIDTH_STEP, Lines, Program, program
 
 _CHUNK_ROWS = 1 << 15  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900
@@ -35,8 +35,20 @@ def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins:
     """
     told = program(moves, settings, begins)
     axes = np.array([word(f" {axis}") for axis in settings.printer_profile.tool_axes], dtype=np.uint32)
-    body = _body(told.lines, axes, told.places, [_joined(lines) for lines in told.insertions])
+    places, texts = _with_widths(told)
+    body = _body(told.lines, axes, places, texts)
     return b"".join([_joined(_header_lines(settings, header) + told.start), *body, _joined(told.end)])
+
+
+def _with_widths(told: Program) -> tuple[IntArray, list[bytes]]:
+    """The insertions as text, and comments where the width of the lines changes."""
+    texts = [_joined(lines) for lines in told.insertions]
+    if not len(told.widths):
+        return told.places, texts
+    texts += [b"; width %.3f\n" % width for width in (told.widths * WIDTH_STEP).tolist()]
+    places = np.concatenate([told.places, told.width_places])
+    order = np.argsort(places, kind="stable")
+    return places[order], [texts[number] for number in order.tolist()]
 
 
 def _body(lines: Lines, axes: WordArray, places: IntArray, texts: list[bytes]) -> list[bytes]:

@@ -11,7 +11,9 @@ from .moves import Feature, Moves
 
 UNKNOWN = -1
 _LEAST_PRIMING = 0.01  # mm of filament
-_WINDOW = 0.3  # mm to either side over which a line's width is averaged where it varies
+_HARDLY = 1e-9  # mm of filament, for moves that need less than the file can tell
+_TOLD_STEP = 0.002  # mm; widths that a file names are rounded to this
+_WINDOW = 0.2  # mm to either side over which a line's width is averaged where it varies
 
 
 def recovered_moves(
@@ -22,6 +24,7 @@ def recovered_moves(
     feature: IntArray,
     settings: PrintSettings,
     steps: tuple[float, float],
+    told: FloatArray | None = None,
 ) -> Moves:
     """The table of moves of a file.
 
@@ -37,37 +40,72 @@ def recovered_moves(
         feature: (M,) a `Feature` for rows that extrude, `UNKNOWN` where the file does not tell.
         settings: diameters of the filament, and the width that lines usually have.
         steps: resolution of positions and filament in mm.
+        told: (M,) mm, width that the file names for each row; taken where the filament agrees with it.
 
     Raises:
         PrintError: nothing is extruded.
     """
-    way = np.zeros(len(tool))
-    step = np.diff(position, axis=0)
-    way[1:] = np.sqrt(np.einsum("ij,ij->i", step, step))
+    kept = _tells_something(position, tool, fed)
+    position, fed, speed = position[kept], fed[kept], speed[kept]
+    tool, feature = tool[kept], feature[kept]
+    step = np.diff(position, axis=0, prepend=position[:1])
+    way = np.sqrt(np.einsum("ij,ij->i", step, step))
+    fed = np.where(_slips(way, step[:, 2], fed, steps[0]), _HARDLY, fed)
     moving = way > 0
     # A move shorter than the file's resolution feeds without moving, less than any priming.
     lays = (fed > 0) & (moving | (fed < _LEAST_PRIMING))
     if not (lays & moving).any():
         raise PrintError("the file lays down no plastic", "choose the G-code of a print")
-    last = int(np.flatnonzero(lays)[-1]) + 1
     kind = np.where(lays, np.where(feature == UNKNOWN, int(Feature.OUTER_WALL), feature), int(Feature.TRAVEL))
     kind[~lays & (fed != 0)] = Feature.RETRACT
     way[lays] = np.maximum(way[lays], 1e-6)
-    levels, of = np.unique(np.rint(position[lays, 2] * 1000), return_inverse=True)
+    layer, height = _layers(position[:, 2], lays)
+    diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
+    section = fed * (np.pi / 4 / settings.extrusion_multiplier) * diameter**2
+    rows = np.flatnonzero(lays)
+    area, way = section[rows] / height[rows], way[rows]
+    doubt = 1.42 * steps[0] / way + steps[1] / fed[rows]  # both ends of a move may be off by half a diagonal
+    begins = np.ones(len(rows), dtype=bool)
+    begins[1:] = (np.diff(rows) > 1) | (np.diff(layer[rows]) != 0) | (np.diff(kind[rows]) != 0)
+    width = np.zeros(len(tool))
+    width[rows] = _widths(area, way, doubt, begins, settings.extrusion_width)
+    if told is not None:
+        named = told[kept][rows]
+        agrees = np.abs(area - named * way) <= (doubt * named + _TOLD_STEP) * way
+        width[rows] = np.where(agrees, named, width[rows])
+    end = slice(int(rows[-1]) + 1)
+    return Moves(position[end], tool[end], kind[end], layer[end], width[end], height[end], speed[end], fed[end])
+
+
+def _layers(z: FloatArray, lays: BoolArray) -> tuple[IntArray, FloatArray]:
+    """(M,) the layer that each row belongs to or goes to, and (M,) mm its height, 0 where nothing is laid down.
+
+    Raises:
+        PrintError: a line lies below the bed.
+    """
+    levels, of = np.unique(np.rint(z[lays] * 1000), return_inverse=True)
     layer = _until_next(of.ravel(), lays)
     height = np.where(lays, np.diff(levels / 1000, prepend=0.0)[layer], 0.0)
     if (height[lays] <= 0).any():
         raise PrintError("the file lays down plastic below the bed", "choose the G-code of a print")
-    diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    section = fed * (np.pi / 4 / settings.extrusion_multiplier) * diameter**2
-    rows = np.flatnonzero(lays)
-    width = np.zeros(len(tool))
-    doubt = 0.8 * steps[0] / way[rows] + steps[1] / fed[rows]
-    begins = np.ones(len(rows), dtype=bool)
-    begins[1:] = (np.diff(rows) > 1) | (np.diff(layer[rows]) != 0) | (np.diff(kind[rows]) != 0)
-    width[rows] = _widths(section[rows] / height[rows], way[rows], doubt, begins, settings.extrusion_width)
-    end = slice(last)
-    return Moves(position[end], tool[end], kind[end], layer[end], width[end], height[end], speed[end], fed[end])
+    return layer, height
+
+
+def _tells_something(position: FloatArray, tool: IntArray, fed: FloatArray) -> BoolArray:
+    """(M,) rows that move, feed or change the tool; others are moves shorter than the file's resolution."""
+    kept: BoolArray = fed != 0
+    kept[:1] = True
+    kept[1:] |= (position[1:] != position[:-1]).any(axis=1) | (tool[1:] != tool[:-1])
+    return kept
+
+
+def _slips(way: FloatArray, rise: FloatArray, fed: FloatArray, step: float) -> BoolArray:
+    """(M,) moves within a line that are so short that the filament for them was rounded to nothing."""
+    lays = (fed > 0) & (way > 0)
+    slips: BoolArray = (fed == 0) & (way > 0) & (way < 2.5 * step) & (rise == 0)
+    slips[:1] = slips[-1:] = False
+    slips[1:-1] &= lays[:-2] & lays[2:]
+    return slips
 
 
 def _until_next(values: IntArray, marked: BoolArray) -> IntArray:
