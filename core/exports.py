@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .errors import SettingsError
 from .files import write_file
 from .gcode.writer import gcode_text
 from .pipeline import DualColorPrint
@@ -33,7 +34,11 @@ def export_x3g(result: DualColorPrint, path: Path) -> DualColorPrint:
 
     Raises:
         OutputError: the file cannot be written.
+        SettingsError: the printer does not read X3G.
     """
+    printer = result.settings.printer_profile
+    if printer.marlin:
+        raise SettingsError(f"{printer.name} does not read X3G", "export G-code instead")
     clock = StageClock()
     clock.begin("x3g")
     data = x3g_bytes(result.moves, result.settings, result.name, result.layer_begins)

@@ -19,6 +19,25 @@ PRINTERS = Path(__file__).resolve().parent.parent / "presets" / "printer"
 
 
 @dataclass(frozen=True)
+class MarlinCommands:
+    """What a printer with Marlin or Klipper firmware is told; without it the dialect is MakerBot's.
+
+    In the lines {bed}, {nozzle_0} and {nozzle_1} stand for temperatures, {tool} for the number of a tool.
+
+    Attributes:
+        origin: mm, X and Y of the bed's centre in the printer's own coordinates.
+        start: lines before the print; extrusion has to be relative after them (M83).
+        tool_change: lines that switch to a tool.
+        end: lines after the print.
+    """
+
+    origin: Pair
+    start: tuple[str, ...]
+    tool_change: tuple[str, ...]
+    end: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class PrinterProfile:
     """A printer with two nozzles. Coordinates are those of the active nozzle, origin at the bed's centre.
 
@@ -47,6 +66,7 @@ class PrinterProfile:
         warm_up_c: that the nozzles wait at while the bed heats: warm, but nothing drips yet.
         prime_x: mm, |X| where a priming line starts and ends; tool 0 on the right half, tool 1 on the left.
         prime_y: mm, Y of the priming lines, and farther in front for prints that reach as far as they.
+        marlin: its own lines if the firmware is Marlin or Klipper; None for MakerBot's dialect and X3G.
     """
 
     name: str
@@ -73,6 +93,7 @@ class PrinterProfile:
     warm_up_c: float
     prime_x: Pair
     prime_y: Pair
+    marlin: MarlinCommands | None = None
 
 
 def printer_names() -> tuple[str, ...]:
@@ -97,21 +118,31 @@ def read_profile(path: Path) -> PrinterProfile:
         SettingsError: the file lacks a fact, or holds one that is unknown or not of the right kind.
     """
     facts = json.loads(path.read_text(encoding="utf-8"))["printer"]
-    declared = [fact.name for fact in fields(PrinterProfile)]
-    if odd := sorted(set(facts) ^ set(declared)):
+    marlin = facts.pop("marlin", None)
+    values = _values(PrinterProfile, facts, path, optional="marlin")
+    if marlin is not None:
+        values["marlin"] = MarlinCommands(**_values(MarlinCommands, marlin, path))
+    return PrinterProfile(**values)
+
+
+def _values(kind: type, facts: dict[str, Any], path: Path, optional: str = "") -> dict[str, Any]:
+    """The facts as the dataclass takes them."""
+    declared = {fact.name for fact in fields(kind)} - {optional}
+    if odd := sorted(set(facts) ^ declared):
         hint = "copy another file of that folder and change its numbers"
         raise SettingsError(f"the printer {path.stem} lacks a fact or has one too many: {', '.join(odd)}", hint)
-    kinds = get_type_hints(PrinterProfile)
+    kinds = get_type_hints(kind)
     for name, fact in facts.items():
         if not _fits(fact, kinds[name]):
             raise SettingsError(f"{name} of the printer {path.stem} is not of the right kind", f"it is {fact!r}")
-    values: dict[str, Any] = {name: tuple(fact) if isinstance(fact, list) else fact for name, fact in facts.items()}
-    return PrinterProfile(**values)
+    return {name: tuple(fact) if isinstance(fact, list) else fact for name, fact in facts.items()}
 
 
 def _fits(fact: Any, kind: Any) -> bool:
     """Whether a value from a file is a text, a number, or a list of as many of them as there must be."""
     parts: Sequence[Any] = get_args(kind)
+    if parts and parts[-1] is Ellipsis:
+        return isinstance(fact, list) and all(_fits(part, parts[0]) for part in fact)
     if parts:
         return (
             isinstance(fact, list)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from ..printer import PrinterProfile
 from ..settings import PrintSettings
 from ..statistics import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Feature, Moves
+from .marlin import fed_by_each
 from .numbers import COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
 
@@ -28,7 +29,7 @@ class Lines:
     Attributes:
         thousandths: (K, 3) int64, X, Y, Z in 0.001 mm.
         written: (K, 3) bool, which of them the line names.
-        steps: (K,) int64, filament counter in 0.00001 mm.
+        steps: (K,) int64, filament in 0.00001 mm: the tool's counter, or what the line feeds if that is relative.
         feeds: (K,) bool, whether the line names the filament axis.
         tool: (K,) int64.
         feedrate: (K,) int64 mm/min.
@@ -85,6 +86,9 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
     start = _start(moves, settings)
     counters, steps = _filament_steps(moves, start.counters)
     printer = settings.printer_profile
+    if printer.marlin:
+        steps = fed_by_each(steps, moves.tool)
+        moves = replace(moves, position=moves.position + np.array([*printer.marlin.origin, 0.0]))
     lines, kept_before = _lines(moves, steps, printer)
     begins = layer_begins(moves, move_seconds(moves, printer)) if begins is None else begins
     places, insertions = _insertions(moves, kept_before, begins, printer)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..printer import PrinterProfile
 from ..settings import PrintSettings
+from .marlin import marlin_end, marlin_start, marlin_tool_change
 
 PRIME_WIDTH_MM = 1.0
 PRIME_SIDE = (1.0, -1.0)
@@ -20,7 +21,7 @@ class StartSequence:
 
     Attributes:
         lines: the commands.
-        counters: mm, position of each tool's filament axis afterwards.
+        counters: mm, position of each tool's filament axis afterwards; any number if extrusion is relative.
     """
 
     lines: list[str]
@@ -29,6 +30,8 @@ class StartSequence:
 
 def tool_change_lines(tool: int, printer: PrinterProfile) -> list[str]:
     """Switch the active nozzle; the firmware shifts the carriage together with the next move."""
+    if printer.marlin:
+        return marlin_tool_change(printer.marlin, tool)
     return [f"G1 F{printer.travel_mm_min}", f"M135 T{tool}"]
 
 
@@ -43,6 +46,9 @@ def start_sequence(
         retracted: mm of filament that each tool is left pulled back.
         front: mm, least Y of the print; the priming lines keep away from it.
     """
+    if marlin := settings.printer_profile.marlin:
+        lines = marlin_start(marlin, settings, tools, retracted)
+        return StartSequence(lines, (0.0, 0.0))
     near, far = settings.printer_profile.prime_y
     priming_y = near if front >= near + CLEARANCE_MM else far
     lines = _heat_and_home(settings, tools)
@@ -64,6 +70,8 @@ def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str
         counter: mm, position of its filament axis.
     """
     printer = settings.printer_profile
+    if printer.marlin:
+        return marlin_end(printer.marlin, settings, tool)
     axis = printer.tool_axes[tool]
     return [
         f"G1 {axis}{counter - settings.retract_length:.5f} F{settings.retract_speed * 60:.0f}",

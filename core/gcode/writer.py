@@ -97,11 +97,9 @@ def _rendered(lines: Lines, axes: WordArray, newline: WordArray, rows: slice) ->
 
 def _header_lines(settings: PrintSettings, header: list[str]) -> list[str]:
     values = [f"{name} = {value}" for name, value in settings.as_dict().items()]
-    return [
-        f";@machine {settings.printer_profile.gpx_machine}",
-        ";@flavor makerbot",
-        *(_comment(text) for text in [*header, *values]),
-    ]
+    printer = settings.printer_profile
+    for_gpx = [] if printer.marlin else [f";@machine {printer.gpx_machine}", ";@flavor makerbot"]
+    return [*for_gpx, *(_comment(text) for text in [*header, *values])]
 
 
 def _comment(text: str) -> str:

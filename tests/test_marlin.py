@@ -1,0 +1,94 @@
+"""G-code for Marlin and Klipper, followed by a firmware of a few lines that knows nothing of the writer."""
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from dualcolor.core.errors import SettingsError
+from dualcolor.core.exports import export_x3g
+from dualcolor.core.gcode.writer import gcode_text
+from dualcolor.core.pipeline import generate
+from dualcolor.core.presets import preset_values
+from dualcolor.core.settings import PrintSettings
+from dualcolor.tests.printing import rosette
+from dualcolor.tests.solids import box
+
+SETTINGS = PrintSettings().changed(preset_values(["marlin_dual"]))
+
+
+@dataclass
+class Firmware:
+    """What a printer does with a file."""
+
+    place: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    tool: int = -1
+    relative: bool = False
+    target: dict = field(default_factory=lambda: {0: 0.0, 1: 0.0, "bed": 0.0})
+    fed: dict = field(default_factory=lambda: {0: 0.0, 1: 0.0})
+    laid: list = field(default_factory=list)
+    changes: int = 0
+
+    def run(self, text):
+        for line in text.splitlines():
+            words = line.split(";")[0].split()
+            if words:
+                self.obey(words[0], {word[0]: float(word[1:] or 0) for word in words[1:]})
+        return self
+
+    def obey(self, command, values):
+        if command == "M83":
+            self.relative = True
+        elif command in ("M104", "M109"):
+            self.target[int(values["T"])] = values["S"]
+        elif command in ("M140", "M190"):
+            self.target["bed"] = values["S"]
+        elif command in ("T0", "T1"):
+            self.changes += bool(self.laid) and self.tool != int(command[1])
+            self.tool = int(command[1])
+        elif command == "G1":
+            self.move(values)
+        else:
+            assert command in ("G21", "G90", "G91", "G28", "M84", "M73"), command
+
+    def move(self, values):
+        begin = self.place.copy()
+        for axis, letter in enumerate("XYZ"):
+            self.place[axis] = values.get(letter, self.place[axis])
+        if "E" in values:
+            assert self.relative and self.target[self.tool] >= 170
+            self.fed[self.tool] += values["E"]
+            if values["E"] > 0 and (begin[:2] != self.place[:2]).any():
+                self.laid.append((self.tool, *self.place, values["E"]))
+
+
+def test_plastic_goes_where_the_moves_say():
+    moves = rosette(12, 200)
+    told = Firmware().run(gcode_text(moves, SETTINGS, []).decode())
+    laid = np.array(told.laid)
+    rows = moves.extrudes
+    assert len(laid) == rows.sum()
+    np.testing.assert_array_equal(laid[:, 0], moves.tool[rows])
+    np.testing.assert_allclose(laid[:, 1:4], moves.position[rows] + [117.5, 117.5, 0], atol=0.0006)
+    for tool in (0, 1):
+        mine = laid[:, 0] == tool
+        wanted = moves.filament[rows & (moves.tool == tool)].sum()
+        assert laid[mine, 4].sum() == pytest.approx(wanted, abs=2e-5)  # roundings of single moves do not add up
+
+
+def test_a_whole_print_heats_changes_tools_and_cools():
+    result = generate(box((0, 0, 0), (12, 12, 3)), SETTINGS)
+    text = gcode_text(result.moves, SETTINGS, []).decode()
+    told = Firmware().run(text)
+    assert told.changes == result.report["layers"] - 1
+    assert told.target == {0: 0, 1: 0, "bed": 0}
+    assert not re.search(r"^(M13[2-7]|G16|.* [AB]-?\d)", text, re.MULTILINE)
+    places = np.array(told.laid)[:, 1:3]
+    assert places.min() > 0 and places.max() < 235
+
+
+def test_x3g_is_refused(tmp_path):
+    result = generate(box((0, 0, 0), (12, 12, 1)), SETTINGS)
+    with pytest.raises(SettingsError, match="does not read X3G"):
+        export_x3g(result, tmp_path / "part.x3g")
+    assert not list(tmp_path.iterdir())
