@@ -12,6 +12,7 @@ import numpy as np
 from .breakdown import filament_report, single_color_seconds, time_report
 from .checks import check
 from .fill.paths import fill_paths
+from .gcode.standby import standby_warnings
 from .mesh import triangulate
 from .model import FloatArray, SurfaceModel, TriangleMesh
 from .pattern.contours import Contours, contours
@@ -142,6 +143,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples)
     report = _report(model, mesh, cut, moves, settings)
     seconds = move_seconds(moves, settings.printer_profile)
+    warnings += standby_warnings(moves, seconds, settings)
     report |= {"time_s": time_report(moves, settings, single_color, seconds)}
     report |= {"filament": filament_report(moves, settings)}
     clock.stop()

@@ -235,6 +235,17 @@ class PrintSettings:
     )
     nozzle_temperature_0: float = setting(230.0, "Temperature of tool 0", "°C", 0.0, 280.0, group="filament")
     nozzle_temperature_1: float = setting(230.0, "Temperature of tool 1", "°C", 0.0, 280.0, group="filament")
+    standby_temperature_delta: float = setting(
+        0.0, "How much colder the idle nozzle waits; 0 keeps it hot", "°C", 0.0, 200.0, group="filament"
+    )
+    preheat_time: float = setting(
+        0.0,
+        "How long before its use a cooled nozzle is heated; never less than heating takes at 1.5 °C/s",
+        "s",
+        0.0,
+        600.0,
+        group="filament",
+    )
     bed_temperature: float = setting(110.0, "Temperature of the bed", "°C", 0.0, 130.0, group="filament")
 
     # Predicted print

@@ -165,6 +165,8 @@ SECTIONS = (
             "filament_cost",
             "nozzle_temperature_0",
             "nozzle_temperature_1",
+            "standby_temperature_delta",
+            "preheat_time",
             "bed_temperature",
         ),
     ),

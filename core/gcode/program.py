@@ -17,6 +17,10 @@ from ..toolpaths.moves import Feature, Moves
 from .marlin import fed_by_each
 from .numbers import COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
+from .standby import standby_commands
+
+# Lines of the idle nozzle by row, before the row and after its tool change.
+IdleCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
 
 WIDTH_STEP = 0.002
 """mm; widths of lines are told so finely."""
@@ -90,8 +94,13 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
         steps = fed_by_each(steps, moves.tool)
         moves = replace(moves, position=moves.position + np.array([*printer.marlin.origin, 0.0]))
     lines, kept_before = _lines(moves, steps, printer)
-    begins = layer_begins(moves, move_seconds(moves, printer)) if begins is None else begins
-    places, insertions = _insertions(moves, kept_before, begins, printer)
+    idle: IdleCommands = ({}, {})
+    if begins is None or settings.standby_temperature_delta:
+        seconds = move_seconds(moves, printer)
+        begins = layer_begins(moves, seconds)
+        if settings.standby_temperature_delta:
+            idle = standby_commands(moves, seconds, settings)
+    places, insertions = _insertions(moves, kept_before, begins, idle, printer)
     last_tool = int(moves.tool[-1])
     end = end_sequence(settings, last_tool, counters[last_tool])
     widens, widths = _width_changes(moves, settings.extrusion_width)
@@ -169,7 +178,7 @@ def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Line
 
 
 def _insertions(
-    moves: Moves, kept_before: IntArray, begins: FloatArray, printer: PrinterProfile
+    moves: Moves, kept_before: IntArray, begins: FloatArray, idle: IdleCommands, printer: PrinterProfile
 ) -> tuple[IntArray, list[list[str]]]:
     """What stands between the lines: comments at layers and features, the progress at each layer, the tool changes.
 
@@ -177,6 +186,7 @@ def _insertions(
         moves: the print.
         kept_before: (M,) how many lines stand before each row.
         begins: s that pass before each layer, and the total.
+        idle: see `standby_commands`.
         printer: that it is for.
 
     Returns:
@@ -186,12 +196,14 @@ def _insertions(
     tool_starts = _after_break(moves.tool)
     tool_starts[0] = False
     feature_starts = _feature_starts(moves)
-    rows = np.flatnonzero(layer_starts | tool_starts | feature_starts)
+    starts = layer_starts | tool_starts | feature_starts
+    starts[list(idle[0])] = True
+    rows = np.flatnonzero(starts)
     percents = iter(_percents(begins))
     insertions = []
     shown = 0
     for row in rows.tolist():
-        lines = []
+        lines = list(idle[0].get(row, []))
         if layer_starts[row]:
             lines.append(f"; layer {moves.layer[row]}")
             percent = next(percents)
@@ -199,6 +211,7 @@ def _insertions(
                 lines.append(f"M73 P{percent}")
                 shown = percent
         lines += tool_change_lines(int(moves.tool[row]), printer) if tool_starts[row] else []
+        lines += idle[1].get(row, [])
         if feature_starts[row]:
             lines.append("; " + Feature(moves.feature[row]).name.lower().replace("_", " "))
         insertions.append(lines)

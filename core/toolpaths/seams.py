@@ -54,7 +54,7 @@ def has_seam(paths: Paths) -> BoolArray:
 
 
 def valleys(points: FloatArray, start: IntArray, reach: float) -> BoolArray:
-    """(N,) points of closed loops where they step back into the material the most; all points of a loop that never does.
+    """(N,) points of closed loops where they step back into the material; all points of a loop that never does.
 
     A point's depth is its distance from the chord between the places `reach` before and behind it on the loop, to
     the left, where the material is. A valley is a greatest depth of at least half of the loop's greatest.

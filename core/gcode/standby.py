@@ -1,0 +1,99 @@
+"""The idle nozzle is cooled while the other one prints, and is hot again before it is needed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..breakdown import NOZZLE_C_PER_S
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from ..toolpaths.moves import Moves
+
+# A nozzle rests at least as long again as it takes to heat, or cooling it would only be unrest.
+_LEAST_IDLE = 2.0
+
+
+@dataclass(frozen=True)
+class Standby:
+    """The times that a nozzle is idle and cooled, S of them.
+
+    Attributes:
+        tool: (S,) int64, the nozzle that is cooled.
+        cool: (S,) int64, row of the tool change that makes it idle.
+        heat: (S,) int64, row before which it is heated again; as many as the moves have if it is not used any more.
+        use: (S,) int64, row of the tool change that needs it again, or as `heat`.
+        short: how many times it would be idle too short for this and stays hot.
+    """
+
+    tool: IntArray
+    cool: IntArray
+    heat: IntArray
+    use: IntArray
+    short: int
+
+
+def standby(moves: Moves, seconds: FloatArray, settings: PrintSettings) -> Standby:
+    """When to cool and when to heat.
+
+    Args:
+        moves: the print.
+        seconds: (M,) `statistics.move_seconds` of the moves.
+        settings: standby_temperature_delta and preheat_time are used.
+    """
+    change = np.flatnonzero(np.diff(moves.tool)) + 1
+    passed = np.concatenate([[0.0], np.cumsum(seconds)])
+    use = np.append(change[1:], len(moves.tool))[: len(change)]
+    idle = np.where(use < len(moves.tool), passed[use] - passed[change], np.inf)
+    long = idle >= _LEAST_IDLE * preheat_seconds(settings)
+    cool, use = change[long], use[long]
+    heat = np.searchsorted(passed, passed[use] - preheat_seconds(settings), side="right") - 1
+    heat = np.where(use < len(moves.tool), np.maximum(heat, cool + 1), use)
+    return Standby(moves.tool[cool - 1], cool, heat, use, int((~long).sum()))
+
+
+def preheat_seconds(settings: PrintSettings) -> float:
+    """How long before its use a cooled nozzle is heated: `preheat_time`, or longer if it would not be hot by then."""
+    return max(settings.preheat_time, settings.standby_temperature_delta / NOZZLE_C_PER_S)
+
+
+def standby_commands(
+    moves: Moves, seconds: FloatArray, settings: PrintSettings
+) -> tuple[dict[int, list[str]], dict[int, list[str]]]:
+    """Commands of the idle nozzle: what stands before a row and its tool change, and what stands after the change.
+
+    Args:
+        moves: the print.
+        seconds: (M,) `statistics.move_seconds` of the moves.
+        settings: of the print.
+
+    Returns:
+        Lines by row: heating, and waiting for the nozzle where it is needed; cooling.
+    """
+    hot = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
+    found = standby(moves, seconds, settings)
+    before: dict[int, list[str]] = {}
+    after: dict[int, list[str]] = {}
+    columns = (found.tool, found.cool, found.heat, found.use)
+    for tool, cool, heat, use in zip(*(column.tolist() for column in columns), strict=True):
+        after[cool] = [f"M104 S{max(hot[tool] - settings.standby_temperature_delta, 0.0):.0f} T{tool}"]
+        if use < len(moves.tool):
+            before.setdefault(heat, []).append(f"M104 S{hot[tool]:.0f} T{tool}")
+            before.setdefault(use, []).append(f"M133 T{tool}")
+    return before, after
+
+
+def standby_warnings(moves: Moves, seconds: FloatArray, settings: PrintSettings) -> list[str]:
+    """Says where the idle nozzle stays hot although it should be cooled."""
+    if not settings.standby_temperature_delta:
+        return []
+    found = standby(moves, seconds, settings)
+    if not found.short:
+        return []
+    least = _LEAST_IDLE * preheat_seconds(settings)
+    times = found.short + len(found.tool)
+    return [
+        f"the idle nozzle stays hot {found.short} of {times} times, as it is idle for less than "
+        f"{least:.0f} s; lower standby_temperature_delta or preheat_time, or print several objects"
+    ]
