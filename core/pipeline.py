@@ -23,11 +23,13 @@ from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
 from .plate import object_rows, plate_warnings
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
+from .slicing.planes import line_widths
 from .slicing.slices import Slices, slices
 from .statistics import layer_begins, move_seconds
 from .supports.paths import Supports, supports, with_supports
 from .texture.lookup import tone_at
 from .texture.pyramid import TexturePyramids, build_pyramids
+from .thin_features import thin_features, thin_report, thin_warnings
 from .toolpaths.assemble import assemble
 from .toolpaths.moves import Feature, Moves, Paths
 from .toolpaths.order import ordered
@@ -140,8 +142,10 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
         single_color = alone.result()
-    warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples)
+    warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples, settings)
     report = _report(model, mesh, cut, moves, settings)
+    thin = thin_report(thin_features(cut, lines, settings), cut)
+    warnings += thin_warnings(thin, settings)
     seconds = move_seconds(moves, settings.printer_profile)
     warnings += standby_warnings(moves, seconds, settings)
     report |= {"time_s": time_report(moves, settings, single_color, seconds)}
@@ -149,7 +153,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     clock.stop()
     report |= {"pattern": pattern, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
     report |= {"beside_s": clock.beside}
-    report |= {"peak_rss_mb": peak_rss_mb(), "warnings": warnings}
+    report |= {"peak_rss_mb": peak_rss_mb(), "thin_features": thin, "warnings": warnings}
     return DualColorPrint(
         settings, model.name, mesh, cut, outlines, moves, layer_begins(moves, seconds), report, warnings
     )
@@ -182,7 +186,7 @@ def _moves(
     return moves
 
 
-def _warnings(cut: Slices, lines: Contours, samples: Samples) -> list[str]:
+def _warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSettings) -> list[str]:
     warnings = []
     if cut.united_layers:
         warnings.append(f"outlines that cross were united: in {cut.united_layers} of {len(cut.layers)} layers")
@@ -192,9 +196,10 @@ def _warnings(cut: Slices, lines: Contours, samples: Samples) -> list[str]:
             f"outlines that do not close are left out: in {len(cut.open_layers)} layers from {low:.1f} to "
             f"{high:.1f} mm; fill the holes of the mesh or raise gap_closing_radius"
         )
-    if cut.specks:
-        warnings.append(f"outlines smaller than a strand are left out: {cut.specks} in all layers")
-    thin = float((lines.width < 0.999 * lines.width.max()).mean()) if len(lines.width) else 0.0
+    if len(cut.specks.layer):
+        warnings.append(f"outlines smaller than a strand are left out: {len(cut.specks.layer)} in all layers")
+    full = line_widths(lines.layer, settings)[lines.loop]
+    thin = float((lines.width < 0.999 * full).mean()) if len(lines.width) else 0.0
     if thin > 0.01:
         warnings.append(f"{thin:.0%} of the outline bounds walls thinner than two lines; they print with thinner lines")
     short = int((np.diff(samples.start) == 0).sum())

@@ -170,7 +170,7 @@ def test_small_gaps_are_closed():
 def test_specks_that_hold_no_strand_are_left_out_and_counted():
     result = cut(joined(box((0, 0, 0), (10, 10, 4)), box((12, 0, 0), (12.2, 0.2, 4)), box((14, 0, 0), (14.4, 0.4, 4))))
     assert areas(result) == pytest.approx(100.16)
-    assert result.specks == len(result.layers)
+    assert len(result.specks.layer) == len(result.layers)
 
 
 def test_a_sheet_has_no_inside():

@@ -14,6 +14,7 @@ import numpy as np
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines, following, preceding, starts, sums
+from ..slicing.planes import line_widths
 from .chunks import in_threads
 from .clearance import gaps
 
@@ -43,7 +44,7 @@ class Contours:
         arc_start: (M + 1,) mm.
         face: (N,) int64, the face of the mesh at each point.
         carried: (N, 3) u, v and vertex tone at each point.
-        width: (N,) mm, line width: the extrusion width, less where the wall is thin.
+        width: (N,) mm, line width: the one of the layer, less where the wall is thin.
         room_inside: (N,) mm, how far the line may be moved inwards without meeting anything.
         room_outside: (N,) mm, the same outwards.
     """
@@ -111,7 +112,7 @@ def contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings
     Args:
         outlines: M loops.
         loop_polygon: (M,) the region that each bounds.
-        settings: wavelength and extrusion width are used.
+        settings: wavelength and the extrusion widths are used.
     """
     layers = int(outlines.layer.max(initial=-1)) + 1
     cuts = np.searchsorted(outlines.layer, np.arange(0, layers + LAYERS_AT_ONCE, LAYERS_AT_ONCE))
@@ -131,9 +132,10 @@ def _contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSetting
     smooth = filtered(points, start, kernel)
     normal = _normals(smooth, start, kernel)
     loop_layer = outlines.layer
-    reach = 2 * settings.extrusion_width + settings.wave_depth_max + 2 * settings.offset_max
+    widest = line_widths(np.repeat(loop_layer, np.diff(start)), settings)
+    reach = 2 * float(widest.max(initial=0.0)) + settings.wave_depth_max + 2 * settings.offset_max
     thickness, clearance = gaps(smooth, normal, start, loop_layer, reach)
-    width = np.clip(thickness / 2, LEAST_WIDTH * settings.extrusion_width, settings.extrusion_width)
+    width = np.clip(thickness / 2, LEAST_WIDTH * widest, widest)
     base = smooth - normal * (np.minimum(width, thickness / 2) / 2)[:, None]
     arc, arc_start = _arc_length(base, start)
     turn = curvature(base, start)

@@ -34,7 +34,7 @@ class Slices:
         loop_polygon: (M,) the region that each loop bounds.
         regions: (L,) all of a layer's regions as one multipolygon.
         united_layers: how many layers had loops that cross and were united.
-        specks: how many loops were left out because a strand does not fit into them.
+        specks: loops that were left out because a strand does not fit into them.
         overlaps: (K, 3) pairs of objects of the plate that have room in common, and in how many layers.
         open_layers: (K,) layers with an outline that does not close and was left out.
     """
@@ -46,7 +46,7 @@ class Slices:
     loop_polygon: IntArray
     regions: NDArray[np.object_]
     united_layers: int
-    specks: int
+    specks: Outlines
     overlaps: IntArray
     open_layers: IntArray
 
@@ -101,11 +101,11 @@ def _united_where(outlines: Outlines, crossing: NDArray[np.bool_], shortest: flo
     return Outlines.joined(parts)
 
 
-def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, int]:
+def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
     """Without segments of no length, loops of no area and loops that are less than `shortest` mm long.
 
     Returns:
-        The outlines, and how many loops with an area were too short.
+        The outlines, and the loops with an area that were too short.
     """
     length = np.linalg.norm(outlines.ends - outlines.points, axis=1)
     keep = length > 1e-7
@@ -117,4 +117,4 @@ def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, int]:
     shorter = shorter.selected(np.abs(shorter.signed_area) > SMALLEST_AREA)
     around = shorter.ends - shorter.points
     long_enough = sums(np.hypot(around[:, 0], around[:, 1]), shorter.start) >= shortest
-    return shorter.selected(long_enough), int((~long_enough).sum())
+    return shorter.selected(long_enough), shorter.selected(~long_enough)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.planes import Layers
+from ..slicing.planes import Layers, line_widths
 from .brim import brim_area, brim_paths
 from .loops import exterior_rings
 from .moves import Paths
@@ -43,14 +43,15 @@ def ground(regions: NDArray[np.object_], walls: Paths, settings: PrintSettings) 
         regions: (R,) Polygons or MultiPolygons, cross-sections of any layers of object and supports; those of the
             first layer must be there, in the walls or in `regions[0]`.
         walls: the waved outlines of all layers.
-        settings: wave_depth_max and extrusion_width are used.
+        settings: wave_depth_max and the extrusion widths are used.
     """
     rings = exterior_rings(shapely.simplify(regions, _SHADOW_TOLERANCE_MM, preserve_topology=False))
     # Waves stand out by half their depth, and simplifying may have cut off as much as its tolerance.
     margin = settings.wave_depth_max / 2 + _SHADOW_TOLERANCE_MM
     shadow = shapely.union_all(shapely.buffer(shapely.polygons(rings), margin, quad_segs=2))
     shadow = shapely.union_all(shapely.polygons(exterior_rings(np.array([shadow]))))
-    strips = shapely.buffer(_closed_lines(walls, np.flatnonzero(walls.layer == 0)), settings.extrusion_width / 2)
+    width = float(line_widths(np.zeros(1, dtype=np.int64), settings)[0])
+    strips = shapely.buffer(_closed_lines(walls, np.flatnonzero(walls.layer == 0)), width / 2)
     first = shapely.union_all([*regions[:1], *strips])
     if settings.raft_layers:
         first = raft_area(first, settings)
