@@ -16,6 +16,7 @@ from .operators.presets import OPERATORS as PRESET_OPERATORS
 from .operators.render import OPERATORS as RENDER_OPERATORS
 from .operators.supports import DUALCOLOR_OT_mark_support, DUALCOLOR_OT_select_support
 from .operators.unwrap import OPERATORS as UNWRAP_OPERATORS
+from .panels import scrubber as scrubber_panel
 from .panels.prepare import DUALCOLOR_PT_paint, DUALCOLOR_PT_prepare
 from .panels.presets import MENUS
 from .panels.scrubber import DUALCOLOR_PT_scrubber
@@ -49,6 +50,7 @@ def register() -> None:
     scrubber.register()
     for added in CLASSES:
         bpy.utils.register_class(added)
+    scrubber_panel.register()
     bpy.types.TOPBAR_MT_file_export.append(_draw_export_entry)
     bpy.types.TOPBAR_MT_file_import.append(_draw_import_entry)
     bpy.types.VIEW3D_MT_add.append(add.draw_add_entry)
@@ -58,6 +60,7 @@ def register() -> None:
 def unregister() -> None:
     """Remove them in the reverse order."""
     cli.unregister_command()
+    scrubber_panel.unregister()
     bpy.types.VIEW3D_MT_add.remove(add.draw_add_entry)
     bpy.types.TOPBAR_MT_file_import.remove(_draw_import_entry)
     bpy.types.TOPBAR_MT_file_export.remove(_draw_export_entry)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
-from ..core.beads import Strands, offsets, settled, split_by_roundness, strands
-from ..core.errors import PrintError
+from ..core.beads import Strands, settled, split_by_roundness, strands
 from ..core.model import FloatArray, IntArray, TriangleMesh
-from ..core.tubes import Rods
+from ..core.strand_marks import marks, moves_of_layers, tone_of_moves
 from .mesh_input import evaluated_mesh
 from .plastics import plastic
 from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
 
 SOURCE_KEY = "dualcolor_source"
 _COMPANIONS_KEY = "dualcolor_companions"
+LABELS = ("layer", "feature", "tool")
+"""Attributes of each strand."""
+
 _DISPLAY_KEY = "dualcolor_display"
 _RATIO_STEP = 1.5
 _ROUNDNESS_LEVELS = 4
@@ -53,11 +57,13 @@ def build_preview(
     name = source.name if source else result.name
     origin = _bed_origin(result.mesh, source, unit) if source else np.zeros(3)
     laid = settled(strands(result.moves), result.settings.sag)
-    new = strand_objects(laid, result.settings.black_tool, unit, origin)
+    outlines = getattr(result, "outlines", None)  # what is read from a file tells nothing of tones
+    tone = tone_of_moves(outlines, result.moves, result.settings.raft_layers) if outlines else None
+    new = strand_objects(laid, result.settings.black_tool, unit, origin, partial(marks, moves=result.moves, tone=tone))
     collection = preview_of(source) if source else bpy.data.collections.get(f"{name} Dual-Color")
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
     _replace_strands(collection, new, name)
-    show_all_layers(collection, int(laid.layer.max()) if len(laid) else 0)
+    show_all_layers(collection, moves_of_layers(result.moves))
     if collection not in scene.collection.children_recursive:
         scene.collection.children.link(collection)
     set_drawing(scene)
@@ -70,7 +76,13 @@ def build_preview(
     return collection
 
 
-def strand_objects(laid: Strands, black_tool: int, unit: float, origin: FloatArray) -> list[bpy.types.Object]:
+def strand_objects(
+    laid: Strands,
+    black_tool: int,
+    unit: float,
+    origin: FloatArray,
+    marks_of: Callable[[Strands], dict[str, NDArray[Any]]] = lambda laid: {},
+) -> list[bpy.types.Object]:
     """Strands as objects that are not linked to any collection yet, one a filament and height-to-width ratio.
 
     Args:
@@ -78,11 +90,13 @@ def strand_objects(laid: Strands, black_tool: int, unit: float, origin: FloatArr
         black_tool: the tool with the black filament.
         unit: mm that a scene unit is.
         origin: (3,) mm, where the strands' origin lies in the world.
+        marks_of: gives columns of values for the points of strands.
     """
     parts, roundness = split_by_roundness(laid, _ROUNDNESS_LEVELS)
     return [
-        _strand_object(kind, parts.gathered(members), ratio, unit, origin)
+        _strand_object(kind, part, ratio, unit, origin, marks_of(part))
         for kind, members, ratio in _groups(parts, roundness, black_tool)
+        for part in [parts.gathered(members)]
     ]
 
 
@@ -150,7 +164,12 @@ def set_drawing(scene: bpy.types.Scene) -> None:
 
 
 def new_curves(
-    name: str, points: FloatArray, counts: IntArray, radius: FloatArray, labels: dict[str, IntArray]
+    name: str,
+    points: FloatArray,
+    counts: IntArray,
+    radius: FloatArray,
+    labels: dict[str, IntArray],
+    marked: dict[str, NDArray[Any]] | None = None,
 ) -> bpy.types.Curves:
     """Poly lines as a `Curves` datablock.
 
@@ -160,6 +179,7 @@ def new_curves(
         counts: (K,) points of each line.
         radius: (N,) in local scene units.
         labels: (K,) whole numbers of each line, by the name of the attribute that is to hold them.
+        marked: (N,) numbers of each point, by the name of the attribute.
     """
     data = bpy.data.hair_curves.new(name)
     data.add_curves(counts.tolist())
@@ -170,6 +190,10 @@ def new_curves(
     attribute.data.foreach_set("value", radius.astype(np.float32))
     for label, values in labels.items():
         data.attributes.new(label, "INT", "CURVE").data.foreach_set("value", values.astype(np.int32))
+    for mark, values in (marked or {}).items():
+        whole = np.issubdtype(values.dtype, np.integer)
+        held = data.attributes.new(mark, "INT" if whole else "FLOAT", "POINT")
+        held.data.foreach_set("value", values.astype(np.int32 if whole else np.float32))
     data.update_tag()
     return data
 
@@ -209,7 +233,9 @@ def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple
     return groups
 
 
-def _strand_object(kind: str, laid: Strands, ratio: float, unit: float, origin: FloatArray) -> bpy.types.Object:
+def _strand_object(
+    kind: str, laid: Strands, ratio: float, unit: float, origin: FloatArray, marked: dict[str, NDArray[Any]]
+) -> bpy.types.Object:
     """Strands as an object that is not linked to any collection yet; its scale in z makes the rods oval.
 
     With z scaled by the ratio a rod of radius r becomes an oval of area π·r²·ratio, which must be width × height.
@@ -217,7 +243,7 @@ def _strand_object(kind: str, laid: Strands, ratio: float, unit: float, origin: 
     counts = np.diff(laid.start)
     radius = np.sqrt(laid.width * np.repeat(laid.height, counts) / (np.pi * ratio)) / unit
     points = laid.points / (unit, unit, unit * ratio)
-    data = new_curves(kind, points, counts, radius, {"layer": laid.layer, "feature": laid.feature})
+    data = new_curves(kind, points, counts, radius, {label: getattr(laid, label) for label in LABELS}, marked)
     data.materials.append(plastic(kind.split()[0]))
     made = bpy.data.objects.new(kind, data)
     made.location = origin / unit
@@ -251,25 +277,6 @@ def _bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> Fl
     return world.min(axis=0) * unit - mesh.bounds_of(0)[0]
 
 
-def rods_of(collection: bpy.types.Collection) -> Rods:
-    """The shape of the strands of a preview in world coordinates, mm.
-
-    Raises:
-        PrintError: there are none.
-    """
-    unit = mm_per_unit(bpy.context.scene)
-    parts = []
-    for shown in [held for held in collection.objects if held.get(STRANDS_KEY)]:
-        points, counts, radius, _ = read_strands(shown)
-        matrix = np.array(shown.matrix_world)
-        world = (points @ matrix[:3, :3].T + matrix[:3, 3]) * unit
-        across = radius * (unit * np.linalg.norm(matrix[:3, 0]))
-        parts.append(Rods(world, offsets(counts), across, radius * (unit * np.linalg.norm(matrix[:3, 2]))))
-    if not parts:
-        raise PrintError("there are no strands", "generate the toolpath first")
-    return Rods.joined(parts)
-
-
 def read_strands(shown: bpy.types.Object) -> tuple[FloatArray, IntArray, FloatArray, dict[str, IntArray]]:
     """What `new_curves` takes, read back from a strand object."""
     data = shown.data
@@ -280,7 +287,7 @@ def read_strands(shown: bpy.types.Object) -> tuple[FloatArray, IntArray, FloatAr
     start = np.empty(len(data.curves) + 1, dtype=np.int32)
     data.curve_offset_data.foreach_get("value", start)
     labels = {}
-    for label in ("layer", "feature"):
+    for label in LABELS:
         values = np.empty(len(data.curves), dtype=np.int32)
         data.attributes[label].data.foreach_get("value", values)
         labels[label] = values.astype(np.int64)

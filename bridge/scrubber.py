@@ -1,16 +1,17 @@
-"""Which strands of a preview are visible: a range of layers and kinds of features, hidden by Geometry Nodes.
+"""Which strands of a preview are visible: layers, moves and kinds of features, the others hidden by Geometry Nodes.
 
 Hiding by an attribute takes about 25 ms with a million points; building the strands anew would take seconds.
 """
 
 from __future__ import annotations
 
-import colorsys
 from typing import Any
 
 import bpy
 
+from ..core.model import IntArray
 from ..core.toolpaths.moves import Feature
+from .strand_colours import LEGENDS, paint
 
 STRANDS_KEY = "dualcolor_strands"
 LAST_LAYER_KEY = "dualcolor_last_layer"
@@ -21,8 +22,9 @@ KINDS: dict[str, tuple[Feature, ...]] = {
     "tower": (Feature.TOWER, Feature.OOZE_SHIELD),
     "adhesion": (Feature.SKIRT, Feature.BRIM, Feature.RAFT),
 }
-_GROUP = "Visible Strands"
-_INPUTS = ("First Layer", "Last Layer", "Hidden Features")
+_MOVES_KEY = "dualcolor_moves"
+_GROUP = "Shown Strands"
+_INPUTS = ("First Layer", "Last Layer", "Hidden Features", "Last Move")
 _MOST_LAYERS = 100_000
 
 
@@ -32,8 +34,10 @@ def apply_view(collection: bpy.types.Collection) -> None:
     if view is None:
         return
     hidden = sum(1 << feature for kind, of in KINDS.items() if not getattr(view, f"show_{kind}") for feature in of)
-    values = (view.layer_from, view.layer_to, hidden)
-    everything = not hidden and view.layer_from == 0 and view.layer_to >= last_layer(collection)
+    shown_moves, moves = moves_shown(collection)
+    values = (view.layer_from, view.layer_to, hidden, shown_moves - 1)
+    all_layers = view.layer_from == 0 and view.layer_to >= last_layer(collection)
+    everything = not hidden and all_layers and shown_moves == moves
     for shown in strand_objects(collection):
         modifier = shown.modifiers.get(_GROUP)
         if modifier is None and not everything:
@@ -45,16 +49,26 @@ def apply_view(collection: bpy.types.Collection) -> None:
                 modifier[sockets[name]] = value
             modifier.show_viewport = modifier.show_render = not everything
             shown.update_tag()
-        _colour(shown, view.colour_by)
+        paint(shown, view.colour_by)
 
 
-def show_all_layers(collection: bpy.types.Collection, last: int) -> None:
-    """Note the number of the last layer and show them all, as after the strands have been built."""
+def show_all_layers(collection: bpy.types.Collection, moves: IntArray) -> None:
+    """Note how many moves each layer has and show them all, as after the strands have been built."""
+    last = max(len(moves) - 1, 0)
     collection[LAST_LAYER_KEY] = last
+    collection[_MOVES_KEY] = moves.tolist() or [0]
     view = getattr(collection, "dualcolor_view", None)
     if view is not None:
-        view.layer_from, view.layer_to = 0, last
+        view.layer_from, view.layer_to, view.moves = 0, last, 100.0
         apply_view(collection)
+
+
+def moves_shown(collection: bpy.types.Collection) -> tuple[int, int]:
+    """How many moves of the last visible layer are shown, and how many it has."""
+    view = collection.dualcolor_view
+    moves = collection.get(_MOVES_KEY, [0])
+    count = int(moves[min(view.layer_to, len(moves) - 1)])
+    return round(count * view.moves / 100), count
 
 
 def last_layer(collection: bpy.types.Collection) -> int:
@@ -97,56 +111,17 @@ def _node_group() -> bpy.types.NodeTree:
     outside = math("ADD", math("LESS_THAN", layer, given.outputs[1]), math("GREATER_THAN", layer, given.outputs[2]))
     shifted = math("FLOOR", math("DIVIDE", given.outputs[3], math("POWER", 2.0, feature)))
     unwanted = math("ADD", outside, math("MODULO", shifted, 2.0))
-    delete = nodes.new("GeometryNodeDeleteGeometry")
-    delete.domain = "CURVE"
-    links.new(given.outputs[0], delete.inputs["Geometry"])
-    links.new(math("GREATER_THAN", unwanted, 0.5), delete.inputs["Selection"])
-    links.new(delete.outputs[0], result.inputs[0])
+    is_last = math("COMPARE", layer, given.outputs[2], 0.5)
+    later = math("MULTIPLY", is_last, math("GREATER_THAN", attribute("move"), given.outputs[4]))
+    left = given.outputs[0]
+    for domain, selection in (("CURVE", unwanted), ("POINT", later)):
+        delete = nodes.new("GeometryNodeDeleteGeometry")
+        delete.domain = domain
+        links.new(left, delete.inputs["Geometry"])
+        links.new(math("GREATER_THAN", selection, 0.5), delete.inputs["Selection"])
+        left = delete.outputs[0]
+    links.new(left, result.inputs[0])
     return group
-
-
-def feature_colour(feature: Feature) -> tuple[float, float, float, float]:
-    """Colour of a feature in the legend: hues far apart for features that are neighbours."""
-    return (*colorsys.hsv_to_rgb(feature * 0.382 % 1.0, 0.75, 0.85), 1.0)
-
-
-def _feature_material() -> bpy.types.Material:
-    """A material that colours each strand by its attribute `feature`; seen in Material Preview and when rendered."""
-    name = "Strand Features"
-    if name in bpy.data.materials:
-        return bpy.data.materials[name]
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
-    label, scale, ramp = (nodes.new(f"ShaderNode{kind}") for kind in ("Attribute", "Math", "ValToRGB"))
-    label.attribute_name = "feature"
-    scale.operation = "DIVIDE"
-    scale.inputs[1].default_value = float(len(Feature))
-    ramp.color_ramp.interpolation = "CONSTANT"
-    for number, feature in enumerate(Feature):
-        stops = ramp.color_ramp.elements
-        place = max((feature - 0.5) / len(Feature), 0.0)
-        stop = stops[number] if number < 2 else stops.new(place)
-        stop.position, stop.color = place, feature_colour(feature)
-    links.new(label.outputs["Fac"], scale.inputs[0])
-    links.new(scale.outputs[0], ramp.inputs[0])
-    links.new(ramp.outputs[0], shader.inputs["Base Color"])
-    return material
-
-
-def _colour(shown: bpy.types.Object, colour_by: str) -> None:
-    """The plastic belongs to the strands; another material is laid over it on the object."""
-    if not shown.material_slots:
-        return
-    slot = shown.material_slots[0]
-    if colour_by == "FEATURE":
-        slot.link = "OBJECT"
-        slot.material = _feature_material()
-    elif slot.link == "OBJECT":
-        slot.material = None
-        slot.link = "DATA"
 
 
 def _changed(view: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
@@ -170,10 +145,18 @@ StrandView = type(
             "layer_to": _layer("To Layer", "Last visible layer", _MOST_LAYERS),
             "colour_by": bpy.props.EnumProperty(
                 name="Colour",
-                items=[
-                    ("FILAMENT", "Filament", "As it will be printed"),
-                    ("FEATURE", "Feature", "By what lines are for; seen in Material Preview and when rendered"),
-                ],
+                description="What the colours of the strands say; seen in Material Preview and when rendered",
+                items=[("FILAMENT", "Filament", "As it will be printed")]
+                + [(key, legend.title, legend.description) for key, legend in LEGENDS.items()],
+                update=_changed,
+            ),
+            "moves": bpy.props.FloatProperty(
+                name="Moves",
+                description="Share of the last visible layer that has been printed",
+                default=100.0,
+                min=0.0,
+                max=100.0,
+                subtype="PERCENTAGE",
                 update=_changed,
             ),
         }

@@ -111,7 +111,7 @@ def save_strands(
     """Save the scene with its strands, their mesh and their pictures, as far as asked for."""
     import bpy
 
-    from ..bridge.curves import rods_of
+    from ..bridge.rods import rods_of
     from ..bridge.views import take_pictures
     from ..core.mesh_files import write_mesh
 

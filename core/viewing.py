@@ -97,6 +97,11 @@ def encoded(light: FloatArray) -> Picture:
     return np.asarray(np.rint(curve * 255), dtype=np.uint8)
 
 
+def encoded_tone(light: float) -> float:
+    """One value of linear light as sRGB, both from 0 to 1."""
+    return float(encoded(np.array([light]))[0]) / 255
+
+
 def contact_sheet(rows: Sequence[Sequence[Picture]], labels: Sequence[str]) -> Picture:
     """Pictures of one size in rows, with a line of text over each column.
 

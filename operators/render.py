@@ -7,9 +7,10 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from ..bridge.curves import preview_of, rods_of, source_of
+from ..bridge.curves import preview_of, source_of
 from ..bridge.mesh_input import WITH_SURFACE, surface_model
 from ..bridge.properties import to_settings
+from ..bridge.rods import rods_of
 from ..bridge.views import take_pictures
 from ..core.errors import PrintError
 from ..core.mesh_files import write_mesh

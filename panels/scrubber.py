@@ -1,16 +1,26 @@
-"""The panel that shows a part of the strands."""
+"""The panel that shows a part of the strands, and the legend of their colours."""
 
 from __future__ import annotations
 
+import blf
 import bpy
+import bpy.utils.previews
+import gpu
+from gpu_extras.batch import batch_for_shader
 
-from ..bridge.curves import preview_of
-from ..bridge.scrubber import KINDS, last_layer
+from ..bridge.curves import is_print_shown, preview_of, source_of
+from ..bridge.scrubber import KINDS, last_layer, moves_shown
+from ..bridge.strand_colours import LEGENDS, Colour, legend_of
+from ..core.viewing import encoded_tone
 from ..operators.render import DUALCOLOR_OT_export_strands
+
+_SWATCH_PIXELS = 16
+_handles: list[object] = []
+_swatches: list[bpy.utils.previews.ImagePreviewCollection] = []
 
 
 class DUALCOLOR_PT_scrubber(bpy.types.Panel):
-    """Layers and features that are visible, of a generated print or an imported one."""
+    """Layers, moves and features that are visible, of a generated print or an imported one."""
 
     bl_label = "Dual Color Layers"
     bl_space_type = "VIEW_3D"
@@ -24,15 +34,71 @@ class DUALCOLOR_PT_scrubber(bpy.types.Panel):
         return context.object is not None and preview_of(context.object) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
-        """The range, the kinds, the colours."""
+        """The range, the moves, the kinds, the colours."""
         collection = preview_of(context.object)
         view = collection.dualcolor_view
         column = self.layout.column(align=True)
         column.prop(view, "layer_from")
         column.prop(view, "layer_to")
-        column.label(text=f"of 0 to {last_layer(collection)}")
+        column.prop(view, "moves", slider=True)
+        shown, moves = moves_shown(collection)
+        column.label(text=f"of 0 to {last_layer(collection)}; {shown} of {moves} moves of the last one")
         grid = self.layout.grid_flow(columns=3, align=True)
         for kind in KINDS:
             grid.prop(view, f"show_{kind}", toggle=True)
-        self.layout.row().prop(view, "colour_by", expand=True)
+        row = self.layout.split(factor=0.3)
+        row.label(text="Colour")
+        row.prop(view, "colour_by", text="")
+        if view.colour_by in LEGENDS and context.space_data.shading.type in ("WIREFRAME", "SOLID"):
+            self.layout.label(text="Seen in Material Preview", icon="INFO")
+        legend = self.layout.column(align=True)
+        legend.scale_y = 0.8
+        for text, colour in legend_of(view.colour_by):
+            legend.label(text=text, icon_value=_swatch(colour))
         self.layout.operator(DUALCOLOR_OT_export_strands.bl_idname, icon="EXPORT")
+
+
+def _swatch(colour: Colour) -> int:
+    """Number of an icon in one colour."""
+    held, key = _swatches[0], repr(colour)
+    if key not in held:
+        made = held.new(key)
+        made.icon_size = (_SWATCH_PIXELS, _SWATCH_PIXELS)
+        made.icon_pixels_float = (*(encoded_tone(value) for value in colour), 1.0) * _SWATCH_PIXELS**2
+    return int(held[key].icon_id)
+
+
+def _draw_legend() -> None:
+    """The legend in the corner of a 3D view whose strands are coloured by something."""
+    context = bpy.context
+    obj = source_of(context.object)
+    collection = preview_of(obj) if obj else None
+    if collection is None or not is_print_shown(obj) or not context.space_data.overlay.show_overlays:
+        return
+    size = 14 * context.preferences.system.ui_scale
+    entries = legend_of(collection.dualcolor_view.colour_by)
+    blf.size(0, size * 0.85)
+    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    for number, (text, colour) in enumerate(reversed(entries)):
+        left, low = 2 * size, size * (2 + 1.2 * number)
+        corners = [(left, low), (left + size, low), (left + size, low + size), (left, low + size)]
+        shader.uniform_float("color", (*(encoded_tone(value) for value in colour), 1.0))
+        batch_for_shader(shader, "TRIS", {"pos": corners}, indices=[(0, 1, 2), (0, 2, 3)]).draw(shader)
+        blf.position(0, left + 1.5 * size, low + 0.2 * size, 0)
+        blf.draw(0, text)
+
+
+def register() -> None:
+    """Draw the legend in all 3D views."""
+    _swatches.append(bpy.utils.previews.new())
+    if not bpy.app.background:
+        _handles.append(bpy.types.SpaceView3D.draw_handler_add(_draw_legend, (), "WINDOW", "POST_PIXEL"))
+
+
+def unregister() -> None:
+    """Draw it no more."""
+    while _handles:
+        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
+    while _swatches:
+        bpy.utils.previews.remove(_swatches.pop())

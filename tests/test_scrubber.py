@@ -8,7 +8,8 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor.bridge.curves import build_preview, read_strands  # noqa: E402
-from dualcolor.bridge.scrubber import KINDS, last_layer  # noqa: E402
+from dualcolor.bridge.scrubber import KINDS, last_layer, moves_shown  # noqa: E402
+from dualcolor.bridge.strand_colours import LEGENDS, legend_of  # noqa: E402
 from dualcolor.core.toolpaths.moves import Feature  # noqa: E402
 
 
@@ -70,7 +71,58 @@ def test_new_strands_keep_the_hidden_kinds_and_show_all_layers(preview):
 def test_colours_of_features_and_back(preview):
     before = [held.data.materials[0] for held in preview.objects]
     preview.dualcolor_view.colour_by = "FEATURE"
-    assert {held.material_slots[0].material.name for held in preview.objects} == {"Strand Features"}
+    assert {held.material_slots[0].material.name for held in preview.objects} == {"Strands by Feature"}
     assert [held.data.materials[0] for held in preview.objects] == before
     preview.dualcolor_view.colour_by = "FILAMENT"
     assert [held.material_slots[0].material for held in preview.objects] == before
+
+
+def points_of_layer(collection, layer):
+    """How many points of a layer are seen."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    total = 0
+    for held in collection.objects:
+        data = held.evaluated_get(depsgraph).data
+        if not len(data.curves):
+            continue
+        layers, start = np.zeros(len(data.curves), dtype=np.int32), np.zeros(len(data.curves) + 1, dtype=np.int32)
+        data.attributes["layer"].data.foreach_get("value", layers)
+        data.curve_offset_data.foreach_get("value", start)
+        total += int(np.diff(start)[layers == layer].sum())
+    return total
+
+
+def test_the_last_layer_move_by_move(preview):
+    view = preview.dualcolor_view
+    view.layer_to = 3
+    assert moves_shown(preview) == (5, 5)
+    whole, below = points_of_layer(preview, 3), points_of_layer(preview, 2)
+    seen = []
+    for share in (100.0, 80.0, 60.0, 20.0):
+        view.moves = share
+        assert points_of_layer(preview, 2) == below
+        seen.append(points_of_layer(preview, 3))
+    assert seen[0] == whole and seen == sorted(seen, reverse=True) and len(set(seen)) == 4
+    view.moves = 0.0
+    assert points_of_layer(preview, 3) == 0
+    view.moves = 100.0
+    assert points_of_layer(preview, 3) == whole
+
+
+def test_new_strands_show_all_moves(preview):
+    preview.dualcolor_view.moves = 20.0
+    build_preview(square_print())
+    assert preview.dualcolor_view.moves == 100.0
+
+
+@pytest.mark.parametrize("colour_by", LEGENDS)
+def test_every_colour_has_a_legend_and_an_attribute(preview, colour_by):
+    preview.dualcolor_view.colour_by = colour_by
+    for held in preview.objects:
+        material = held.material_slots[0].material
+        (label,) = [node for node in material.node_tree.nodes if node.type == "ATTRIBUTE"]
+        assert label.attribute_name in held.data.attributes
+        (ramp,) = [node for node in material.node_tree.nodes if node.type == "VALTORGB"]
+        colours = [tuple(stop.color)[:3] for stop in ramp.color_ramp.elements]
+        np.testing.assert_allclose(colours, [colour for _, colour in LEGENDS[colour_by].entries], atol=1e-6)
+    assert 2 <= len(legend_of(colour_by)) <= len(LEGENDS[colour_by].entries)
