@@ -82,6 +82,13 @@ def test_commands_of_the_file(slow):
     assert commands(plain) == [f"M135 T{layer % 2}" for layer in range(1, 6)]
 
 
+def test_marlin_waits_in_its_own_words(slow):
+    told = gcode_text(slow, SETTINGS.changed({"printer": "marlin_dual"}), []).decode("ascii").splitlines()
+    assert "M133 T0" not in told
+    use = told.index("M109 S230 T0", told.index("M104 S200 T0"))
+    assert "T0" in told[use + 1 : use + 6]
+
+
 def test_the_moves_stay_the_same(slow):
     read = [read_gcode(gcode_text(slow, settings, []), "part").moves for settings in (SETTINGS, PrintSettings())]
     assert read[0].position.tolist() == read[1].position.tolist()

@@ -72,6 +72,7 @@ def standby_commands(
         Lines by row: heating, and waiting for the nozzle where it is needed; cooling.
     """
     hot = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
+    marlin = settings.printer_profile.marlin is not None
     found = standby(moves, seconds, settings)
     before: dict[int, list[str]] = {}
     after: dict[int, list[str]] = {}
@@ -80,7 +81,8 @@ def standby_commands(
         after[cool] = [f"M104 S{max(hot[tool] - settings.standby_temperature_delta, 0.0):.0f} T{tool}"]
         if use < len(moves.tool):
             before.setdefault(heat, []).append(f"M104 S{hot[tool]:.0f} T{tool}")
-            before.setdefault(use, []).append(f"M133 T{tool}")
+            wait = f"M109 S{hot[tool]:.0f} T{tool}" if marlin else f"M133 T{tool}"
+            before.setdefault(use, []).append(wait)
     return before, after
 
 
