@@ -12,6 +12,7 @@ from .files import write_file
 from .gcode.writer import gcode_text
 from .pipeline import DualColorPrint
 from .report import StageClock, header_lines, peak_rss_mb
+from .toolpaths.raft import raised
 from .x3g.writer import x3g_bytes
 
 
@@ -56,13 +57,14 @@ def _reported(result: DualColorPrint, clock: StageClock, **made: dict[str, int])
 def dump(result: DualColorPrint, path: Path) -> None:
     """Write the outlines before and after the wave as .npz, for independent checks.
 
-    Arrays: layer_z (L,), loop_layer (M,), loop_start (M + 1,), and for each of N outline points base_xy, wave_xy,
-    phase (t before the layer's sign), depth (mm, peak to peak), tone, uv.
+    Arrays: layer_z (L,) of the object's layers, above the raft if there is one, loop_layer (M,), loop_start (M + 1,),
+    and for each of N outline points base_xy, wave_xy, phase (t before the layer's sign), depth (mm, peak to peak),
+    tone, uv.
     """
     lines = result.outlines
     np.savez_compressed(
         path,
-        layer_z=result.slices.layers.top,
+        layer_z=raised(result.slices.layers, result.settings).top[result.settings.raft_layers :],
         loop_layer=lines.layer,
         loop_start=lines.start,
         base_xy=lines.base,

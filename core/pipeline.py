@@ -35,6 +35,7 @@ from .toolpaths.moves import Feature, Moves, Paths
 from .toolpaths.order import ordered
 from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
 from .toolpaths.raft import lifted, raised
+from .toolpaths.skirt import skirt_warnings
 from .toolpaths.surroundings import ground, surrounding_paths
 from .toolpaths.travels import Rooms, rooms
 
@@ -147,6 +148,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     thin = thin_report(thin_features(cut, lines, settings), cut)
     warnings += thin_warnings(thin, settings)
     seconds = move_seconds(moves, settings.printer_profile)
+    warnings += skirt_warnings(moves, settings)
     warnings += standby_warnings(moves, seconds, settings)
     report |= {"time_s": time_report(moves, settings, single_color, seconds)}
     report |= {"filament": filament_report(moves, settings)}
@@ -217,6 +219,7 @@ def _report(
         "name": model.name,
         "objects": object_rows(model, mesh),
         "layers": len(cut.layers),
+        "raft_layers": settings.raft_layers,
         "tool_changes": int((np.diff(moves.tool) != 0).sum()),
         "bounds_mm": mesh.bounds.tolist(),
         "settings": settings.as_dict(),

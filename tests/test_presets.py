@@ -44,7 +44,9 @@ def test_qualities_and_later_presets_count():
     both = preset_values(["abs_black", "abs_white"])
     assert {"nozzle_temperature_0", "nozzle_temperature_1"} <= set(both)
     assert preset_values(["pla"])["bed_temperature"] < 80
-    with pytest.raises(SettingsError, match="no preset named 'finest': choose among marlin_dual, replicator_2x, replicator_dual"):
+    with pytest.raises(
+        SettingsError, match="no preset named 'finest': choose among marlin_dual, replicator_2x, replicator_dual"
+    ):
         preset_values(["finest"])
     with pytest.raises(SettingsError):
         preset_values(["../filament/pla"])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.exports import export_gcode
+from dualcolor.core.exports import dump, export_gcode
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.moves import Feature
@@ -72,3 +72,22 @@ def test_the_object_stands_on_it_as_it_stood_on_the_bed(shield, tmp_path):
         assert wall_around.distance(raft) > 1.5
     export_gcode(high, tmp_path / "raft.gcode")
     assert convert(tmp_path / "raft.gcode") == []
+
+
+def test_report_file_and_dump_count_layers_alike(tmp_path):
+    settings = PrintSettings(raft_layers=3, tower_type="none")
+    done = export_gcode(generate(cylinder(radius=8, height=2), settings), tmp_path / "can.gcode")
+    report, moves = done.report, done.moves
+    assert (report["layers"], report["raft_layers"], report["tool_changes"]) == (8, 3, 7)
+    lines = (tmp_path / "can.gcode").read_text().splitlines()
+    assert [line for line in lines if line.startswith("; layer ")] == [f"; layer {layer}" for layer in range(8 + 3)]
+    changes = [place for place, line in enumerate(lines) if line.startswith("M135")]
+    begin = lines.index("; layer 3")  # the object's first layer, in the colour of the raft
+    assert len([place for place in changes if place > lines.index("; layer 0")]) == 7
+    assert min(place for place in changes if place > lines.index("; layer 0")) > begin
+    dump(done, tmp_path / "can.npz")
+    dumped = np.load(tmp_path / "can.npz")
+    wall = moves.feature == Feature.OUTER_WALL
+    assert dumped["layer_z"].tolist() == np.unique(moves.position[wall, 2]).tolist()
+    assert dumped["layer_z"][0] == pytest.approx(3 * 0.25 + settings.raft_gap + 0.25)
+    assert np.unique(dumped["loop_layer"]).tolist() == list(range(8))

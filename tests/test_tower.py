@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.errors import MeshError, SettingsError
+from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import Layers, layer_stack
 from dualcolor.core.toolpaths.brim import brim_area, brim_paths
@@ -17,6 +18,7 @@ from dualcolor.core.toolpaths.shield import shield_paths
 from dualcolor.core.toolpaths.skirt import skirt_paths
 from dualcolor.core.toolpaths.surroundings import Ground, ground, surrounding_paths, tower_where_free
 from dualcolor.core.toolpaths.tower import tower_brim, tower_loops, tower_paths
+from dualcolor.tests.solids import box
 
 REACH = shapely.box(-105, -73, 105, 73)
 SETTINGS = PrintSettings()
@@ -322,14 +324,24 @@ def test_skirt_keeps_its_distance():
 
 def test_skirt_without_room_or_wish():
     plate = shapely.box(-95, -65, 95, 65)
-    paths = skirt_paths(plate, SETTINGS.changed({"skirts": 10}))
-    assert 0 < len(paths.layer) < 10
-    assert REACH.covers(shapely.LineString(paths.points).buffer(0.2))
+    for outline, loops in ((plate, 10), (shapely.box(-90, -70.4, 90, 60), 4)):
+        paths = skirt_paths(outline, SETTINGS.changed({"skirts": 10}))
+        assert len(paths.layer) == loops  # nearer than asked for, fewer where even that does not do
+        rings = [shapely.LinearRing(paths.points[a:b]) for a, b in pairwise(paths.start)]
+        assert REACH.covers(shapely.MultiLineString(rings).buffer(0.199))
+        assert min(ring.distance(outline) for ring in rings) >= 1.2 - 0.06
     assert not len(skirt_paths(shapely.box(-104, -60, 95, 60), SETTINGS).layer)
     assert not len(skirt_paths(plate, SETTINGS.changed({"skirts": 0})).layer)
     assert not len(skirt_paths(shapely.Polygon(), SETTINGS).layer)
     apart = shapely.union_all([shapely.box(-50, 0, -40, 10), shapely.box(40, 0, 50, 10)])
     assert len(skirt_paths(apart, SETTINGS).layer) == 2
+
+
+def test_a_skirt_without_room_is_a_warning():
+    for width, said in ((50, []), (209, ["no skirt"]), (206.2, ["2 of 3 loops"])):
+        block = generate(box((0, 0, 0), (width, 40, 0.5)), SETTINGS.changed({"skirts": 3, "tower_type": "none"}))
+        found = [warning for warning in block.warnings if "skirt" in warning]
+        assert len(found) == len(said) and all(part in text for part, text in zip(said, found, strict=True))
 
 
 def test_an_empty_ground_has_nothing_around_it():

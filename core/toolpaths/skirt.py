@@ -7,13 +7,14 @@ import shapely
 
 from ..settings import PrintSettings
 from .loops import Turn, exterior_rings, first_layer_loops, loop_points
-from .moves import Feature, Paths
+from .moves import Feature, Moves, Paths
 
 CORNER_TOLERANCE_MM = 0.05
+LEAST_DISTANCE_MM = 1.0
 
 
 def skirt_paths(footprint: shapely.Geometry, settings: PrintSettings) -> Paths:
-    """Loops around the first layer, the outermost first; those that leave the printer's reach are left out.
+    """Loops around the first layer, the outermost first; nearer than asked, then fewer, where the bed is too small.
 
     Args:
         footprint: all that is printed on the first layer, tower included, in mm.
@@ -25,13 +26,26 @@ def skirt_paths(footprint: shapely.Geometry, settings: PrintSettings) -> Paths:
     if footprint.is_empty or settings.skirts == 0:
         return Paths.empty()
     width = settings.first_layer_extrusion_width
-    distances = settings.skirt_distance + width * (np.arange(settings.skirts)[::-1] + 0.5)
+    printer = settings.printer_profile
+    low, high = np.reshape(shapely.bounds(footprint), (2, 2))
+    # What lies between the footprint and the reach on the narrowest side holds the loops and a gap.
+    room = float(min((low - printer.reach_min[:2]).min(), (printer.reach_max[:2] - high).min()))
+    count = min(settings.skirts, int(np.floor((room - LEAST_DISTANCE_MM) / width + 1e-9)))
+    if count <= 0:
+        return Paths.empty()
+    distance = min(settings.skirt_distance, room - count * width)
+    distances = distance + width * (np.arange(count)[::-1] + 0.5)
     filled = shapely.convex_hull(shapely.get_parts(footprint))  # also keeps the skirt out of bays
     grown = shapely.buffer(shapely.union_all(filled), distances, quad_segs=8)
     rings = shapely.simplify(exterior_rings(np.asarray(grown)), CORNER_TOLERANCE_MM)
-    printer = settings.printer_profile
-    (left, front), (right, back) = printer.reach_min[:2], printer.reach_max[:2]
-    half = width / 2
-    reach = shapely.box(left + half, front + half, right - half, back - half)
-    loops = [loop_points(ring) for ring in rings[shapely.covers(reach, rings)]]
-    return first_layer_loops(loops, Feature.SKIRT, Turn.SKIRT, width)
+    return first_layer_loops([loop_points(ring) for ring in rings], Feature.SKIRT, Turn.SKIRT, width)
+
+
+def skirt_warnings(moves: Moves, settings: PrintSettings) -> list[str]:
+    """Says that the skirt has fewer loops than asked for."""
+    skirt = moves.feature == Feature.SKIRT
+    loops = int((np.diff(skirt.astype(np.int8), prepend=0) > 0).sum())
+    if loops >= settings.skirts:
+        return []
+    kept = f"{loops} of {settings.skirts} loops of the skirt" if loops else "no skirt"
+    return [f"the bed has room for {kept}; set skirts lower, or scale the object down"]
