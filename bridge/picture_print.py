@@ -33,7 +33,7 @@ def picture_print(
     settings: PrintSettings,
     name: str,
     mm_per_pixel: float = 0.05,
-    samples: int = 8,
+    samples: int = 4,
 ) -> PicturePrint:
     """Print a plate, photograph its front in even light and compare.
 

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         "stretching them from black to white")  # fmt: skip
     parser.add_argument("--mm-per-pixel", type=positive, default=0.05, metavar="MM", help="of the photographs "
                         "(default: 0.05)")  # fmt: skip
-    parser.add_argument("--samples", type=_count, default=8, metavar="N", help="rays a pixel (default: 8)")
+    parser.add_argument("--samples", type=_count, default=4, metavar="N", help="rays a pixel (default: 4)")
     parser.add_argument("--gcode", action="store_true", help="write the plates' G-code too")
     add_settings(parser)
 

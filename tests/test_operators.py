@@ -29,7 +29,7 @@ def traces() -> set[str]:
     names = {name for name in dir(bpy.types) if "DUALCOLOR" in name.upper()}
     names |= {f"ops.dualcolor.{name}" for name in dir(bpy.ops.dualcolor)}
     names |= {"Object.dualcolor"} if hasattr(bpy.types.Object, "dualcolor") else set()
-    menus = (bpy.types.TOPBAR_MT_file_export, bpy.types.TOPBAR_MT_file_import)
+    menus = (bpy.types.TOPBAR_MT_file_export, bpy.types.TOPBAR_MT_file_import, bpy.types.VIEW3D_MT_add)
     entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()] + [*bpy.app.handlers.load_pre]
     return names | {str(entry) for entry in entries if entry.__module__.startswith("dualcolor")}
 
