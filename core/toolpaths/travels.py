@@ -9,14 +9,12 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..pattern.chunks import in_chunks
 from ..settings import PrintSettings
 from ..slicing.outlines import starts
 from .order import OrderedPaths
 from .ring_walks import walks_along
 
 _TOLERANCE_MM = 0.1  # by which the inside of the wall is simplified, and a way along it
-_SHAPES_AT_ONCE = 64
 # A way around is worth as much time as pulling the filament back twice, and this many times the straight way.
 _DETOUR = 2.0
 
@@ -103,8 +101,7 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
         crosses[chosen[good]] = False
     hidden = plain.hidden.copy()
     if settings.only_retract_when_crossing_perimeters:
-        (covered,) = in_chunks(lambda shape, line: (_covers(shape, line),), within.above[paths.island[path]], lines)
-        hidden[path] = ~crosses & covered
+        hidden[path] = ~crosses & _covers(within.above[paths.island[path]], lines)
     points, line = shapely.get_coordinates(lines, return_index=True)
     between = np.ones(len(points), dtype=bool)
     ends = starts(np.bincount(line, minlength=len(lines)))
@@ -121,22 +118,21 @@ def _wall_depth(settings: PrintSettings) -> float:
 
 
 def _covers(shapes: NDArray[np.object_], lines: NDArray[np.object_]) -> BoolArray:
+    """(T,) whether each line lies in its shape; not in threads, as several lines share a shape's prepared form."""
     shapely.prepare(shapes)
-    return np.asarray(shapely.covers(shapes, lines))
+    covered = np.asarray(shapely.covers(shapes, lines))
+    shapely.destroy_prepared(shapes)
+    return covered
 
 
 def _leaves(lines: NDArray[np.object_], room: NDArray[np.object_], reach: float) -> BoolArray:
     """(T,) lines of which some piece outside their room is longer than `reach`, mm: they cross the wall."""
-
-    def chunk(line: NDArray[np.object_], shape: NDArray[np.object_]) -> tuple[BoolArray]:
-        leaves = ~_covers(shape, line)
-        piece, owner = shapely.get_parts(shapely.difference(line[leaves], shape[leaves]), return_index=True)
-        longest = np.zeros(int(leaves.sum()))
-        np.maximum.at(longest, owner, shapely.length(piece))
-        leaves[leaves] = longest > reach
-        return (leaves,)
-
-    return in_chunks(chunk, lines, room, rows=_SHAPES_AT_ONCE)[0]
+    leaves = ~_covers(room, lines)
+    piece, owner = shapely.get_parts(shapely.difference(lines[leaves], room[leaves]), return_index=True)
+    longest = np.zeros(int(leaves.sum()))
+    np.maximum.at(longest, owner, shapely.length(piece))
+    leaves[leaves] = longest > reach
+    return leaves
 
 
 def _worth(around: NDArray[np.object_], lines: NDArray[np.object_], settings: PrintSettings) -> BoolArray:
@@ -152,11 +148,7 @@ def _around(
     What a line leaves a room by and comes back in by lie on the same ring: outside of it is one connected place.
     """
     used, room = np.unique(island, return_inverse=True)
-    (inner,) = in_chunks(
-        lambda shape: (shapely.buffer(shape, -settings.extrusion_width / 2, quad_segs=2),),
-        inside[used],
-        rows=_SHAPES_AT_ONCE,
-    )
+    inner = shapely.buffer(inside[used], -settings.extrusion_width / 2, quad_segs=2)
     usable = np.flatnonzero(~shapely.is_empty(inner)[room])
     result = lines.copy()
     if not len(usable):
@@ -164,9 +156,7 @@ def _around(
     room = np.unique(room[usable], return_inverse=True)[1]
     inner = inner[~shapely.is_empty(inner)]
     lines = lines[usable]
-    (outside,) = in_chunks(
-        lambda line, shape: (shapely.difference(line, shape),), lines, inner[room], rows=_SHAPES_AT_ONCE
-    )
+    outside = shapely.difference(lines, inner[room])
     pieces, owner = shapely.get_parts(outside, return_index=True)
     begin, end = (shapely.get_coordinates(shapely.get_point(pieces, at)) for at in (0, -1))
     parts, of_part = shapely.get_parts(inner, return_index=True)
