@@ -1,11 +1,13 @@
 """Supports: where overhangs are held, what they keep away from, and how they are printed."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import shapely
 from dualcolor.core.mesh import triangulate
+from dualcolor.core.model import SupportMark, SupportVolume
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate
@@ -106,6 +108,18 @@ def test_a_beginning_in_the_air_is_held_by_a_column_that_stands():
     column = made.covered[pin - 2]
     under = [part for part in shapely.get_parts(column) if part.buffer(0.5).covers(shapely.Point(3.4, 0))]
     assert under and under[0].area > 10
+
+
+@pytest.mark.parametrize(("height", "thickness"), [(20, 4.0), (90, 7.5)])
+def test_a_tall_column_is_thicker(height, thickness):
+    """Below a pin of 2 mm² that hangs from a roof: a twelfth of its height, 4 mm at least; the roof gets no support."""
+    post, roof = box((-8, -3, 0), (-4, 3, height + 4)), box((-8, -3, height + 3), (8, 3, height + 5))
+    model = joined(post, roof, box((4, -0.7, height), (5.4, 0.7, height + 4)))
+    under = box((3, -2, height - 1), (7, 2, height + 1))
+    wish = SupportVolume(SupportMark.ENFORCER, under.vertices, under.polygon_start, under.corner_vertex)
+    _, made = held(replace(model, volumes=(wish,)), SETTINGS.changed({"support_auto": False}))
+    column = made.covered[round(height * 0.4 / SETTINGS.layer_height)].buffer(-WIDTH / 2)
+    assert -0.2 < 4 * column.area / column.length - thickness < 0.8
 
 
 SHELF = joined(box((-10, -6, 0), (10, 6, 4)), box((-10, -6, 4), (-6, 6, 12)), box((-10, -6, 12), (16, 6, 14)))

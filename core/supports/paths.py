@@ -55,7 +55,7 @@ def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray
     found = columns(needed, taken)
     if settings.support_from == "bed":
         found = standing_on_bed(found)
-    found = steady(found, needed, taken)
+    found = steady(found, needed, taken, settings.layer_height)
     close = interface(found, needed.area, settings)
     return Supports(support_lines(found, close, settings), found)
 

@@ -15,21 +15,24 @@ from .overlay import SIMPLIFY_MM, difference, gathered, once, thickness
 
 # Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
 _WORTHWHILE_MM2 = 3.0
-# The least thickness of a column, mm: the diameter of a round one.
+# The least thickness of a column, mm: the diameter of a round one; more where it is taller than so many times that.
 _STABLE_MM = 4.0
+_SLENDERNESS = 12.0
+_GROWTH_STEP_MM = 0.25  # so that columns of about one height grow alike
 # Nothing narrower than twice this, mm, is printed.
 _HALF_LEAST_WIDTH_MM = 0.3
 _ARC_SEGMENTS = 4
 _LAYER_SHIFT_MM = 1000.0  # more than the bed: sets the layers apart in the plane for a single search
 
 
-def steady(found: Shapes, needed: Contacts, taken: Shapes) -> Shapes:
+def steady(found: Shapes, needed: Contacts, taken: Shapes, layer_height: float) -> Shapes:
     """(L,) columns that are worth printing and can stand.
 
     Args:
         found: (L,) areas of support.
         needed: what they carry.
         taken: (L,) where the object leaves no room.
+        layer_height: mm.
     """
     parts, layer = shapely.get_parts(found, return_index=True)
     if not len(parts):
@@ -40,14 +43,16 @@ def steady(found: Shapes, needed: Contacts, taken: Shapes) -> Shapes:
     island = np.zeros(len(largest), dtype=bool)
     island[column[_under(parts, layer, needed.islands, needed.island_layer)]] = True
     kept = (largest >= _WORTHWHILE_MM2) | island
-    growth = np.maximum(_STABLE_MM - thickest, 0.0) / 2
+    height = (_most(layer, column) + _most(-layer, column) + 1) * layer_height
+    short_of = np.maximum(np.maximum(_STABLE_MM, height / _SLENDERNESS) - thickest, 0.0)
+    growth = np.ceil(short_of / 2 / _GROWTH_STEP_MM - 1e-6) * _GROWTH_STEP_MM
     chosen = kept[column]
     return _thickened(parts[chosen], layer[chosen], growth[column[chosen]], len(found), taken)
 
 
-def _most(values: FloatArray, column: IntArray) -> FloatArray:
+def _most(values: FloatArray | IntArray, column: IntArray) -> FloatArray:
     """(C,) greatest value of each column's parts."""
-    most = np.zeros(int(column.max()) + 1)
+    most = np.full(int(column.max()) + 1, -np.inf)
     np.maximum.at(most, column, values)
     return most
 
