@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..core.model import Float32Array, ToneImage
-from ..core.picture_match import PictureMatch, picture_match
+from ..core.picture_match import PictureMatch, pattern_period, picture_match
 from ..core.picture_shapes import PictureShape, surface_of
 from ..core.pipeline import DualColorPrint, generate
 from ..core.settings import PrintSettings
@@ -53,5 +53,5 @@ def picture_print(
     front = Face((0.0, float(plate.vertices[:, 1].min()), height / 2), width, height)
     seen = photograph(result.moves, settings, front, mm_per_pixel=mm_per_pixel, samples=samples)
     painted = picture.alpha * picture.tone + (1 - picture.alpha) * settings.background_tone
-    match = picture_match(seen, painted.astype("float32"), mm_per_pixel, settings)
+    match = picture_match(seen, painted.astype("float32"), mm_per_pixel, pattern_period(result.outlines, settings))
     return PicturePrint(result, seen, match)

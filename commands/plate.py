@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..core.errors import OutputError, SettingsError
 from ..core.outputs import OutputFiles
-from ..core.picture_match import PictureMatch
+from ..core.picture_match import PERIOD_LAYERS, PictureMatch
 from ..core.picture_shapes import PictureShape, fitted, picture_plate
 from ..core.settings import PrintSettings
 from .arguments import add_settings, chosen_settings, positive
@@ -66,7 +66,8 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     """
     settings = chosen_settings(args).changed({"texture_filter": "lanczos"})
     plate = picture_plate(args.width, args.height, args.thickness, settings)
-    if min(plate.size[0] / settings.wavelength, plate.size[1] / (4 * settings.layer_height)) < 3:
+    widest = 2 * settings.wavelength  # that a wave can be
+    if min(plate.size[0] / widest, plate.size[1] / (PERIOD_LAYERS * settings.layer_height)) < 3:
         raise SettingsError("the plate is smaller than three periods of the pattern", "make it larger")
     rows: list[tuple[str, str, PictureMatch]] = []
     with Progress() as progress:
@@ -101,16 +102,17 @@ def _plates(
     paths, files = outputs
     bar, before = progress
     picture = fitted(image_tone(load_image(image)), plate, auto_contrast=not args.plain_contrast)
-    photographs, found = {}, {}
+    photographs, found, periods = {}, {}, {}
     for number, pattern in enumerate(args.patterns):
         bar.show((before + number / len(args.patterns)) / len(args.images), f"{image.name}, {pattern}")
         chosen = settings.changed({"pattern": pattern})
         with quiet_stdout():
             made = picture_print(picture, plate, chosen, image.stem, args.mm_per_pixel, args.samples)
         photographs[pattern], found[pattern] = made.photograph, made.match
+        periods[pattern] = (PERIOD_LAYERS * settings.layer_height, made.match.period_mm)
         if args.gcode:
             export_gcode(made.result, files.staged(paths[_gcode(image, pattern)]))
-    drawn = sheet(picture.tone, photographs, args.mm_per_pixel, settings)
+    drawn = sheet(picture.tone, photographs, periods, args.mm_per_pixel)
     Image.fromarray(drawn).convert("L").save(files.staged(paths[_sheet(image)]), optimize=True)
     return found
 

@@ -6,8 +6,10 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from .model import Float32Array, FloatArray
+from .model import BoolArray, Float32Array, FloatArray
+from .pattern.wave import WavedOutlines
 from .settings import PrintSettings
+from .slicing.outlines import following
 
 PERIOD_LAYERS = 4
 """The pattern repeats itself after two black and two white layers."""
@@ -25,6 +27,7 @@ class PictureMatch:
         darkest: 1st percentile of the averaged photograph.
         brightest: 99th percentile of it.
         contrast: the difference of both.
+        period_mm: width of a wave.
     """
 
     correlation: float
@@ -33,6 +36,7 @@ class PictureMatch:
     darkest: float
     brightest: float
     contrast: float
+    period_mm: float
 
     def as_dict(self) -> dict[str, float]:
         """By name, four digits, JSON-ready."""
@@ -40,7 +44,7 @@ class PictureMatch:
 
 
 def picture_match(
-    photograph: Float32Array, picture: Float32Array, mm_per_pixel: float, settings: PrintSettings
+    photograph: Float32Array, picture: Float32Array, mm_per_pixel: float, period: tuple[float, float]
 ) -> PictureMatch:
     """Compare a straight photograph of a face with the picture on it.
 
@@ -48,14 +52,14 @@ def picture_match(
         photograph: (H, W) linear reflectance of exactly that face, row 0 at the top; NaN where nothing is.
         picture: (h, w) tone, row 0 at the bottom.
         mm_per_pixel: of the photograph.
-        settings: wavelength and layer height are used.
+        period: of the pattern, from `pattern_period`.
 
     Raises:
         ValueError: the face is smaller than three periods.
     """
     seen = photograph[::-1].astype(np.float64)
     wanted = enlarged(picture, seen.shape)
-    window = pattern_period(mm_per_pixel, settings)
+    window = in_pixels(period, mm_per_pixel)
     if any(size < 3 * part for size, part in zip(seen.shape, window, strict=True)):
         raise ValueError("the face is smaller than three periods of the pattern")
     # What is not seen counts in neither.
@@ -71,13 +75,31 @@ def picture_match(
         darkest=float(darkest),
         brightest=float(brightest),
         contrast=float(brightest - darkest),
+        period_mm=period[1],
     )
 
 
-def pattern_period(mm_per_pixel: float, settings: PrintSettings) -> tuple[int, int]:
-    """(rows, columns) of pixels that hold one period of the pattern: four layers high, a wavelength wide."""
-    high = PERIOD_LAYERS * settings.layer_height / mm_per_pixel
-    return max(round(high), 1), max(round(settings.wavelength / mm_per_pixel), 1)
+def pattern_period(outlines: WavedOutlines, settings: PrintSettings) -> tuple[float, float]:
+    """(height, width) mm of one period of the pattern: four layers, and the mean width of a wave.
+
+    Args:
+        outlines: of the print; where they have no waves the width is the setting's wavelength.
+        settings: layer height and wavelength are used.
+    """
+    step = outlines.base[following(outlines.start)] - outlines.base
+    waves = int((outlines.phase > 1 - 1e-12).sum())  # every wave begins at a sample, with a crest before its sign
+    length = float(np.hypot(step[:, 0], step[:, 1])[np.repeat(_waved(outlines), np.diff(outlines.start))].sum())
+    return PERIOD_LAYERS * settings.layer_height, length / waves if waves else settings.wavelength
+
+
+def _waved(outlines: WavedOutlines) -> BoolArray:
+    """(M,) loops that carry waves."""
+    return np.asarray(np.maximum.reduceat(np.abs(outlines.phase), outlines.start[:-1]) > 0)
+
+
+def in_pixels(period: tuple[float, float], mm_per_pixel: float) -> tuple[int, int]:
+    """(rows, columns) of pixels that a length up and a length across come to."""
+    return max(round(period[0] / mm_per_pixel), 1), max(round(period[1] / mm_per_pixel), 1)
 
 
 def averaged(values: FloatArray, window: tuple[int, int]) -> FloatArray:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from .model import Float32Array, FloatArray
-from .picture_match import PictureMatch, averaged, enlarged, pattern_period
+from .picture_match import PERIOD_LAYERS, PictureMatch, averaged, enlarged, in_pixels
 from .settings import PrintSettings
 from .viewing import Picture, contact_sheet, encoded
 
@@ -20,7 +20,8 @@ all.{tones} The plates are printed in each pattern, predicted strand by
 strand, and photographed straight from the front in even white light. Photograph and picture are compared in linear
 light:
 
-- *r*: both averaged over the pattern's own period, {period} mm, a period and more from the edges;
+- *r*: both averaged over the pattern's own period, a wave wide and {period:g} mm high, a period and more from the
+  edges;
 - *r to the edges*: the same all over the face. The edges of a plate are lighter than its middle, whatever the picture:
   no strand beyond them takes light away;
 - *r by texel*: the mean over each texel, with nothing left out;
@@ -31,27 +32,30 @@ black to white. Made by
 
     {command}
 
-| picture | pattern | r | r to the edges | r by texel | darkest | brightest | contrast |
-|---|---|---|---|---|---|---|---|
+| picture | pattern | r | r to the edges | r by texel | darkest | brightest | contrast | wave, mm |
+|---|---|---|---|---|---|---|---|---|
 """
 
 
 def sheet(
-    picture: Float32Array, photographs: Mapping[str, Float32Array], mm_per_pixel: float, settings: PrintSettings
+    picture: Float32Array,
+    photographs: Mapping[str, Float32Array],
+    periods: Mapping[str, tuple[float, float]],
+    mm_per_pixel: float,
 ) -> Picture:
     """The texture beside its prints; below, all of them averaged over the pattern's period.
 
     Args:
         picture: (h, w) tone, row 0 at the bottom.
         photographs: (H, W) by pattern, row 0 at the top.
+        periods: (height, width) mm to average each of them over; the texture has the narrowest.
         mm_per_pixel: of the photographs.
-        settings: wavelength and layer height are used.
     """
     size = next(iter(photographs.values())).shape
     texture = enlarged(picture, size)[::-1]
-    window = pattern_period(mm_per_pixel, settings)
+    windows = [in_pixels(period, mm_per_pixel) for period in (min(periods.values()), *periods.values())]
     views = [texture, *(np.nan_to_num(seen.astype(np.float64)) for seen in photographs.values())]
-    soft = [_stretched(averaged(view, window)) for view in views]
+    soft = [_stretched(averaged(view, window)) for view, window in zip(views, windows, strict=True)]
     step = max(round(_SHEET_MM_PER_PIXEL / mm_per_pixel), 1)
     rows = [[_shown(view, step) for view in row] for row in (views, soft)]
     return contact_sheet(rows, ["texture", *photographs])
@@ -69,7 +73,7 @@ def table(
     Args:
         rows: picture, pattern and match.
         shape: width and height in mm, columns and rows in texels.
-        settings: wavelength and layer height are used.
+        settings: layer height is used.
         auto_contrast: whether the tones were stretched.
         command: that makes the table.
     """
@@ -79,13 +83,13 @@ def table(
         texels=f"{columns} × {pairs}",
         layers=2 * pairs,
         tones=" Its tones are stretched from black to white." if auto_contrast else "",
-        period=f"{settings.wavelength:g} × {4 * settings.layer_height:g}",
+        period=PERIOD_LAYERS * settings.layer_height,
         command=command,
     )
     for name, pattern, match in rows:
         figures = (match.correlation, match.face_correlation, match.texel_correlation)
         cells = [f"{value:.3f}" for value in figures]
-        cells += [f"{value:.2f}" for value in (match.darkest, match.brightest, match.contrast)]
+        cells += [f"{value:.2f}" for value in (match.darkest, match.brightest, match.contrast, match.period_mm)]
         text += f"| {name} | `{pattern}` | {' | '.join(cells)} |\n"
     return text
 

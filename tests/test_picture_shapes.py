@@ -13,6 +13,7 @@ from dualcolor.core.texture.lookup import tone_at
 from dualcolor.core.texture.pyramid import build_pyramids
 
 SETTINGS = PrintSettings(texture_filter="lanczos")
+PERIOD = (1.0, SETTINGS.wavelength)
 TALL_FIRST = SETTINGS.changed({"first_layer_height": 0.4})
 
 
@@ -186,14 +187,14 @@ def patterned(picture, settings, mm_per_pixel=0.1):
 def test_the_pattern_itself_costs_no_correlation_and_the_contrast_is_the_pictures():
     smooth = averaged(np.random.default_rng(5).random((48, 48)), (9, 9))
     picture = ((smooth - smooth.min()) / np.ptp(smooth)).astype(np.float32)
-    found = picture_match(patterned(picture, SETTINGS), picture, 0.1, SETTINGS)
+    found = picture_match(patterned(picture, SETTINGS), picture, 0.1, PERIOD)
     assert found.correlation > 0.995
     assert found.texel_correlation < 0.9  # a texel is narrower than a wave
     wanted = averaged(enlarged(picture, (240, 240)), (10, 12))[10:-10, 12:-12]
     assert found.contrast == pytest.approx(0.2 * np.subtract(*np.percentile(wanted, [99, 1])), rel=0.1)
-    inverse = picture_match(patterned(1 - picture, SETTINGS), picture, 0.1, SETTINGS)
+    inverse = picture_match(patterned(1 - picture, SETTINGS), picture, 0.1, PERIOD)
     assert inverse.correlation < -0.99
-    turned = picture_match(patterned(picture, SETTINGS)[:, ::-1], picture, 0.1, SETTINGS)
+    turned = picture_match(patterned(picture, SETTINGS)[:, ::-1], picture, 0.1, PERIOD)
     assert turned.correlation < 0.7
 
 
