@@ -16,6 +16,7 @@ from .gcode.standby import standby_warnings
 from .mesh import triangulate
 from .model import FloatArray, SurfaceModel, TriangleMesh
 from .pattern.contours import Contours, contours
+from .pattern.optimized import optimized_samples
 from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
 from .pattern.slant import slant_along
@@ -164,7 +165,9 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
 def _samples(lines: Contours, projector: Projector, settings: PrintSettings) -> Samples:
     if settings.pattern == "offset":
         return Samples(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(len(lines.layer) + 1, dtype=np.int64))
-    return sample(lines, projector, settings)
+    if settings.sampling == "paper":
+        return sample(lines, projector, settings)
+    return optimized_samples(lines, projector, settings)
 
 
 def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -> FloatArray:

@@ -83,6 +83,12 @@ class PrintSettings:
         0.3, "How far the middle of a strand may lie outside the strand below, by wave, set-back and slope together",
         "mm", 0.0, 3.0, group="pattern",
     )  # fmt: skip
+    sampling: str = setting(
+        "optimized",
+        "Where the waves sit: planned for all layers at once for the fewest seams, or layer by layer (the paper)",
+        choices=("optimized", "paper"),
+        group="pattern",
+    )
     projection_threshold: float = setting(
         0.6, "A sample farther than this from the next layer is not carried on", "mm", 0.05, 5.0, group="pattern"
     )

@@ -35,6 +35,7 @@ PATTERN = Section(
         "offset_onset",
         "max_unsupported",
         "flat_layers",
+        "sampling",
         "projection_threshold",
         "relaxation",
         "chord_tolerance",

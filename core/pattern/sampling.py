@@ -8,13 +8,11 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import following, ranges, starts
+from ..slicing.outlines import following, starts
 from .chunks import in_chunks
 from .contours import Contours, long_enough, on_loop
 from .grid import PointGrid, nearest
-
-# Spacings are compared with this slack, mm, so that rounding does not prune an exact fit.
-SLACK = 1e-9
+from .spacing import SLACK, filled, pruned, relaxed, spacings
 
 
 @dataclass(frozen=True)
@@ -31,9 +29,15 @@ class Samples:
     loop: IntArray
     start: IntArray
 
+    @staticmethod
+    def on(lines: Contours, arc: FloatArray) -> Samples:
+        """The samples at increasing arcs (S,)."""
+        loop = np.searchsorted(lines.arc_start, arc, side="right") - 1
+        return Samples(arc, loop, starts(np.bincount(loop, minlength=len(lines.layer))))
+
     def spacing(self, lines: Contours) -> FloatArray:
         """(S,) mm along the contour from each sample to the next one of its loop."""
-        return _gaps(self.arc - lines.arc_start[self.loop], self.loop, lines.length)[0]
+        return spacings(self.arc - lines.arc_start[self.loop], self.loop, lines.length)[0]
 
 
 class Projector:
@@ -136,9 +140,7 @@ def sample(lines: Contours, projector: Projector, settings: PrintSettings) -> Sa
             arc = place[np.isfinite(distance)]
         arc = _settled(arc, lines.arc_start[loops.start : loops.stop + 1], usable[loops], settings)
         parts.append(arc)
-    every = np.concatenate(parts) if parts else arc
-    loop = np.searchsorted(lines.arc_start, every, side="right") - 1
-    return Samples(every, loop, starts(np.bincount(loop, minlength=len(lines.layer))))
+    return Samples.on(lines, np.concatenate(parts) if parts else arc)
 
 
 def _settled(arc: FloatArray, arc_start: FloatArray, usable: BoolArray, settings: PrintSettings) -> FloatArray:
@@ -149,89 +151,10 @@ def _settled(arc: FloatArray, arc_start: FloatArray, usable: BoolArray, settings
     if not usable.all():
         keep = usable[loop] if len(length) else np.zeros(len(arc), dtype=bool)
         arc, loop = arc[keep], loop[keep]
-    local, loop = _relaxed(arc - arc_start[loop], loop, length, settings.relaxation)
-    ahead, _ = _gaps(local, loop, length)
+    local, loop = relaxed(arc - arc_start[loop], loop, length, settings.relaxation)
+    ahead, _ = spacings(local, loop, length)
     if len(ahead) and ahead.min() < least - SLACK:
-        local, loop = _pruned(local, loop, length, least)
-    local, loop = _filled(local, loop, length, usable, least)
-    local, loop = _relaxed(local, loop, length, settings.relaxation)
+        local, loop = pruned(local, loop, length, least)
+    local, loop = filled(local, loop, length, usable, least)
+    local, loop = relaxed(local, loop, length, settings.relaxation)
     return np.sort(on_loop(arc_start[loop] + local, loop, arc_start))
-
-
-def _sorted(local: FloatArray, loop: IntArray) -> tuple[FloatArray, IntArray]:
-    order = np.lexsort((local, loop))
-    return local[order], loop[order]
-
-
-def _gaps(local: FloatArray, loop: IntArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance from each sample to the next one around its loop and to the one before; samples come in order."""
-    last = np.flatnonzero(np.append(loop[1:] != loop[:-1], len(loop) > 0))
-    first = np.append(0, last[:-1] + 1)[: len(last)]
-    ahead, behind = np.empty(len(local)), np.empty(len(local))
-    np.subtract(local[1:], local[:-1], out=ahead[:-1])
-    ahead[last] = local[first] + length[loop[last]] - local[last]
-    behind[1:] = ahead[:-1]
-    behind[first] = ahead[last]
-    return ahead, behind
-
-
-def _relaxed(local: FloatArray, loop: IntArray, length: FloatArray, share: float) -> tuple[FloatArray, IntArray]:
-    """Move every sample by `share` of the way to the middle of its two neighbours.
-
-    Spacings become weighted means of neighbouring spacings, so bounds that all of them keep stay kept.
-    """
-    ahead, behind = _gaps(local, loop, length)
-    moved = local + share * (ahead - behind) / 2
-    around = length[loop]
-    if ((moved < 0) | (moved >= around)).any():
-        return _sorted(np.mod(moved, around), loop)
-    return moved, loop
-
-
-def _pruned(local: FloatArray, loop: IntArray, length: FloatArray, least: float) -> tuple[FloatArray, IntArray]:
-    """Remove samples until none is closer than `least` to the next.
-
-    In each round the spacings that are shorter than both their neighbours lose one end: the one whose removal leaves
-    the shorter gap.
-    """
-    while True:
-        gap, before = _gaps(local, loop, length)
-        start = starts(np.bincount(loop, minlength=len(length)))
-        many = np.diff(start)[loop] > 1
-        short = (gap < least - SLACK) & many
-        if not short.any():
-            return local, loop
-        ahead = following(start)
-        behind = np.empty_like(ahead)
-        behind[ahead] = np.arange(len(ahead))
-        chosen = short & _comes_first(gap, ahead) & _comes_first(gap, behind)
-        doomed = np.where(before <= gap[ahead], np.arange(len(gap)), ahead)[chosen]
-        keep = np.ones(len(gap), dtype=bool)
-        keep[doomed] = False
-        local, loop = local[keep], loop[keep]
-
-
-def _comes_first(gap: FloatArray, other: IntArray) -> BoolArray:
-    """Whether each spacing is shorter than another one; of equal ones the earlier counts as shorter."""
-    return np.asarray((gap < gap[other]) | ((gap == gap[other]) & (np.arange(len(gap)) < other)))
-
-
-def _filled(
-    local: FloatArray, loop: IntArray, length: FloatArray, usable: BoolArray, least: float
-) -> tuple[FloatArray, IntArray]:
-    """Insert evenly spaced samples into gaps of twice `least` and more, and start empty loops."""
-    gap, _ = _gaps(local, loop, length)
-    has = np.zeros(len(length), dtype=bool)
-    has[loop] = True
-    empty = np.flatnonzero(usable & ~has)
-    if not len(empty) and (gap < 2 * least - SLACK).all():
-        return local, loop
-    # An empty loop is one gap of its whole length that has a sample at its beginning.
-    begin = np.concatenate([local, np.zeros(len(empty))])
-    loop = np.concatenate([loop, empty])
-    gap = np.concatenate([gap, length[empty]])
-    parts = np.where(gap >= 2 * least - SLACK, np.floor(gap / least + SLACK), 1).astype(np.int64)
-    source = np.repeat(np.arange(len(gap)), parts)
-    step = ranges(np.zeros(len(parts), dtype=np.int64), parts)
-    place = begin[source] + gap[source] * step / parts[source]
-    return _sorted(np.mod(place, length[loop[source]]), loop[source])

@@ -1,0 +1,87 @@
+"""Samples for the fewest visible seams: a plan for the whole height instead of one layer after the other.
+
+The paper (section 3.2, Algorithm 1) carries samples up from layer to layer and adds or drops some wherever their
+spacing leaves [λ, 2λ); four fifths of the visible seams are where it does. It names better parametrisation as open.
+Here four steps take its place, with the same projection, the same bounds and the same measure of seams:
+
+1. a grid of places on the contours, linked from layer to layer by projection (`phase_grid.py`);
+2. how many waves each stretch needs for the fewest births and deaths, a convex problem (`wave_plan.py`);
+3. whole waves from those fractions (`whole_waves.py`);
+4. the phase that slides least between layers, first on the coarse grid, then on the fine one (`phase_fit.py`).
+
+Samples are where the phase is whole, with their spacings brought exactly within the bounds. Last, those near the seams
+that are left move a little until less of these is seen (`seam_polish.py`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.outlines import ranges, sums
+from .contours import Contours, long_enough
+from .phase_fit import PhaseFit
+from .phase_grid import PhaseGrid, on_grid, phase_grid
+from .sampling import Projector, Samples
+from .seam_polish import polished
+from .spacing import bounded
+from .wave_plan import planned
+from .whole_waves import Phase, rounded
+
+# The plan is made on every so many nodes of the fine grid.
+COARSE_STRIDE = 4
+# Rounds and steps of the fit on the coarse and on the fine grid.
+COARSE_FIT = (6, 30)
+FINE_FIT = (4, 8)
+# The phase rises at least so much along each edge of the grid.
+LEAST_RISE = 1e-6
+# What nobody sees still counts by this much.
+LEAST_WEIGHT = 0.05
+
+
+def optimized_samples(
+    lines: Contours, projector: Projector, settings: PrintSettings, visibility: FloatArray | None = None
+) -> Samples:
+    """Place samples on all layers at once for the fewest visible seams.
+
+    Args:
+        lines: contours of all layers.
+        projector: made for the same contours.
+        settings: the wavelength is used; spacings are in [λ, 2λ).
+        visibility: (N,) 0 to 1 at every contour point: how much a seam there matters. None is 1 everywhere.
+    """
+    if not long_enough(lines.length, settings).any():
+        return Samples.on(lines, np.zeros(0))
+    fine = phase_grid(lines, projector, settings)
+    weight = np.ones(len(lines.arc)) if visibility is None else np.clip(visibility, LEAST_WEIGHT, 1.0)
+    coarse = fine.coarser(lines, COARSE_STRIDE)
+    here = _at_nodes(weight, lines, coarse)
+    plan = planned(lines, fine, coarse, np.minimum(here, here[coarse.ahead]), settings)
+    phase = rounded(lines, coarse, plan, settings)
+    phase = PhaseFit(coarse, phase, here, settings).solved(*COARSE_FIT)
+    phase = Phase(phase.at(*on_grid(coarse, lines, fine), coarse), phase.turns)
+    phase = PhaseFit(fine, phase, _at_nodes(weight, lines, fine), settings).solved(*FINE_FIT)
+    samples = Samples.on(lines, bounded(lines, *whole_phases(fine, phase), settings))
+    return polished(lines, fine, projector, samples, weight, settings)
+
+
+def _at_nodes(weight: FloatArray, lines: Contours, grid: PhaseGrid) -> FloatArray:
+    point = np.searchsorted(lines.arc, grid.arc, side="right") - 1
+    return np.asarray(weight[point])
+
+
+def whole_phases(grid: PhaseGrid, phase: Phase) -> tuple[FloatArray, IntArray]:
+    """The arcs at which the phase is whole, and their contours."""
+    # The phase has to rise along the contour; where the fit has it fall, it rises a little instead.
+    rise = np.maximum(phase.waves(grid), LEAST_RISE)
+    rise *= (phase.turns / np.maximum(sums(rise, grid.start), LEAST_RISE))[grid.loop]
+    climbed = np.cumsum(rise) - rise
+    first = grid.start[grid.loop]
+    value = phase.value[first] + climbed - climbed[first]
+    begin = np.ceil(value - 1e-9)
+    count = (begin[grid.ahead] + grid.seam * phase.turns[grid.loop] - begin).astype(np.int64)
+    edge = np.repeat(np.arange(len(rise)), count)
+    whole = begin[edge] + ranges(np.zeros(len(count), dtype=np.int64), count)
+    share = np.clip((whole - value[edge]) / rise[edge], 0.0, 1.0)
+    return grid.arc[edge] + share * grid.length[edge], grid.loop[edge]

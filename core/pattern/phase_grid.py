@@ -1,0 +1,229 @@
+"""A grid of places on the contours that carries the phase of the waves, linked from every layer to the next.
+
+The optimised sampling (`optimized.py`) looks for the phase φ of the waves, a number that grows by 1 from sample to
+sample, at a few places of each contour. Where a place lies on the layer above, as the paper projects it, is worked out
+once; wherever two neighbouring places do not have neighbouring images the surface is *torn* there: no seam can be seen,
+and the phases of the two sides owe each other nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.outlines import following, preceding, ranges, starts
+from .contours import Contours, long_enough
+from .sampling import Projector
+
+# Every so many contour points are projected, and all between them where the surface is torn.
+STATION_STRIDE = 3
+# Neighbours whose images lie farther apart than their own distance and this share of the wavelength are torn.
+TEAR = 1.0
+
+
+@dataclass(frozen=True)
+class PhaseGrid:
+    """K nodes on the contours that carry the pattern, in order of their arcs; edge i leads from node i to the next.
+
+    Attributes:
+        arc: (K,) mm.
+        start: (M + 1,) int64, where each contour's nodes start.
+        loop: (K,) int64, the contour of each node.
+        ahead: (K,) int64, the next node around the contour.
+        behind: (K,) int64, the one before.
+        length: (K,) mm, of each edge.
+        seam: (K,) 1 where the edge leads over the contour's beginning, else 0.
+        step: (K,) mm, from a node's image to the next node's along the contour above; NaN where the edge is torn.
+        above: (K,) mm, the arc of the node's image; NaN where there is none.
+        low: (K,) int64, the node before the image, 0 where there is none.
+        high: (K,) int64, the node after it.
+        share: (K,) how far the image lies on the way from `low` to `high`.
+    """
+
+    arc: FloatArray
+    start: IntArray
+    loop: IntArray
+    ahead: IntArray
+    behind: IntArray
+    length: FloatArray
+    seam: FloatArray
+    step: FloatArray
+    above: FloatArray
+    low: IntArray
+    high: IntArray
+    share: FloatArray
+
+    @property
+    def linked(self) -> BoolArray:
+        """(K,) which nodes have an image."""
+        return ~np.isnan(self.above)
+
+    def coarser(self, lines: Contours, stride: int) -> PhaseGrid:
+        """Every so many nodes of each contour, at least four, and all where a tear begins or ends."""
+        count = np.diff(self.start)
+        local = np.arange(len(self.arc)) - self.start[self.loop]
+        every = np.minimum(stride, np.maximum(count // 4, 1))[self.loop]
+        torn = np.isnan(self.step)
+        return self.picked(lines, np.flatnonzero((local % every == 0) | (torn != torn[self.behind])))
+
+    def picked(self, lines: Contours, node: IntArray) -> PhaseGrid:
+        """Some of the nodes, among them the first of each contour; edges with a tear on the way are torn."""
+        torn = np.isnan(self.step)
+        bad = starts(torn.astype(np.int64))
+        way = np.concatenate([[0.0], np.cumsum(np.nan_to_num(self.step))])
+        loop = self.loop[node]
+        begin = starts(np.bincount(loop, minlength=len(lines.layer)))
+        ahead = following(begin)
+        end = np.where(ahead > np.arange(len(node)), node[ahead], self.start[loop + 1])
+        step = np.where(bad[end] == bad[node], way[end] - way[node], np.nan)
+        return _grid(lines, self.arc[node], loop, self.above[node], step)
+
+    def carried(self, lines: Contours, place: FloatArray, asked: BoolArray) -> FloatArray:
+        """The images (Q,) of places (Q,), which may be NaN; those not `asked` (Q,) stay where they are."""
+        out = place.copy()
+        known = np.flatnonzero(asked & ~np.isnan(place))
+        node, share = _between(self.arc, self.start, self.length, lines, place[known])
+        torn = np.isnan(self.step[node])
+        nearer = np.where(share < 0.5, node, self.ahead[node])
+        image = np.where(torn, self.above[nearer], self.above[node] + share * self.step[node])
+        up = self.loop[self.low[np.where(torn, nearer, node)]]
+        out[known] = lines.arc_start[up] + np.mod(image - lines.arc_start[up], lines.length[up])
+        return out
+
+    def spanning(self, lines: Contours, layers: int, stride: int) -> PhaseGrid:
+        """Only every so many layers, counted from the top, linked to one another over those between them."""
+        below = int(lines.layer.max(initial=0)) - lines.layer[self.loop]
+        count = np.diff(self.start)
+        local = np.arange(len(self.arc)) - self.start[self.loop]
+        every = np.minimum(stride, np.maximum(count // 4, 1))[self.loop]
+        fine = np.flatnonzero(below % layers == 0)
+        above = self.arc[fine]
+        for _ in range(layers):
+            above = self.carried(lines, above, np.ones(len(fine), dtype=bool))
+        grid = _grid(lines, self.arc[fine], self.loop[fine], above, np.zeros(len(fine)))
+        step = _steps(lines, grid.arc, grid.loop, above, layers * TEAR * float(self.length.mean()))
+        grid = _grid(lines, grid.arc, grid.loop, above, step)
+        return grid.picked(lines, np.flatnonzero(local[fine] % every[fine] == 0))
+
+    def rows(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
+        """What lies above each edge that is not torn, as weighted edges of the contour above.
+
+        Returns:
+            (C,) the edges; (C + 1,) where the entries of each start; (E,) the edges above; (E,) their weights.
+        """
+        cell = np.flatnonzero(~np.isnan(self.step))
+        count = np.diff(self.start)
+        up = self.loop[self.low[cell]]
+        first = self.start[up]
+        backwards = self.step[cell] < 0
+        # The image of an edge begins at the image of the node that comes first on the contour above.
+        begin = np.where(backwards, self.ahead[cell], cell)
+        node, share = self.low[begin] - first, self.share[begin]
+        other = np.where(backwards, cell, self.ahead[cell])
+        end, end_share = self.low[other] - first, self.share[other]
+        wraps = ((end < node) | ((end == node) & (end_share < share))) & (np.abs(self.step[cell]) > 1e-6)
+        # Two images in one place may come in either order by rounding.
+        same = ~wraps & ((end < node) | ((end == node) & (end_share < share)))
+        end, end_share = np.where(same, node, end), np.where(same, share, end_share)
+        entries = end + np.where(wraps, count[up], 0) - node + 1
+        start = starts(entries)
+        owner = np.repeat(np.arange(len(cell)), entries)
+        weight = np.ones(start[-1])
+        weight[start[:-1]] -= share
+        weight[start[1:] - 1] -= 1 - end_share
+        edge = first[owner] + ranges(node, entries) % np.maximum(count[up], 1)[owner]
+        return cell, start, edge, weight * np.where(backwards, -1.0, 1.0)[owner]
+
+
+def phase_grid(lines: Contours, projector: Projector, settings: PrintSettings) -> PhaseGrid:
+    """The finest grid: a node each half wavelength, and one at every contour point where the surface is torn."""
+    usable = long_enough(lines.length, settings)
+    count = np.diff(lines.start)
+    loop = lines.loop
+    local = np.arange(len(lines.arc)) - lines.start[loop]
+    stride = np.minimum(STATION_STRIDE, np.maximum(count // 4, 1))[loop]
+    chosen = (local % stride == 0) & usable[loop]
+    above = np.full(len(lines.arc), np.nan)
+    above[chosen] = _images(lines, projector, np.flatnonzero(chosen), usable)
+    node = np.flatnonzero(chosen)
+    tear = TEAR * settings.wavelength
+    torn = np.isnan(_steps(lines, lines.arc[node], loop[node], above[node], tear))
+    owner = np.cumsum(chosen) - 1
+    between = np.flatnonzero(usable[loop] & ~chosen & torn[np.maximum(owner, 0)])
+    above[between] = _images(lines, projector, between, usable)
+    chosen[between] = True
+    node = np.flatnonzero(chosen)
+    step = _steps(lines, lines.arc[node], loop[node], above[node], tear)
+    return _grid(lines, lines.arc[node], loop[node], above[node], step)
+
+
+def _images(lines: Contours, projector: Projector, point: IntArray, usable: BoolArray) -> FloatArray:
+    """Arcs of the images of contour points on the layer above; NaN where none is near enough or carries the pattern."""
+    layer = lines.layer[lines.loop[point]]
+    above = np.full(len(point), np.nan)
+    asked = np.flatnonzero(layer < lines.layer.max(initial=0))
+    arc, distance = projector.project(lines.points[point[asked]], layer[asked] + 1)
+    found = np.isfinite(distance)
+    found[found] = usable[loop_of(lines, arc[found])]
+    above[asked[found]] = arc[found]
+    return above
+
+
+def loop_of(lines: Contours, arc: FloatArray) -> IntArray:
+    """(Q,) the contour on which each place lies."""
+    return np.asarray(np.clip(np.searchsorted(lines.arc_start, arc, side="right") - 1, 0, len(lines.layer) - 1))
+
+
+def _steps(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, tear: float) -> FloatArray:
+    """Way from each image to the next along the contour above, the shorter way round; NaN where the surface is torn."""
+    ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
+    has = ~np.isnan(above)
+    up = np.where(has, loop_of(lines, np.where(has, above, 0.0)), -1)
+    around = np.where(has, lines.length[up], 1.0)
+    step = above[ahead] - above
+    step -= around * np.rint(np.nan_to_num(step) / around)
+    own = np.mod(arc[ahead] - arc, lines.length[loop])
+    return np.where((up >= 0) & (up == up[ahead]) & (np.abs(step) <= own + tear), step, np.nan)
+
+
+def _grid(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, step: FloatArray) -> PhaseGrid:
+    start = starts(np.bincount(loop, minlength=len(lines.layer)))
+    ahead, behind = following(start), preceding(start)
+    length = np.mod(arc[ahead] - arc, lines.length[loop])
+    has = ~np.isnan(above)
+    low, share = _between(arc, start, length, lines, above[has])
+    full_low, full_share = np.zeros(len(arc), dtype=np.int64), np.zeros(len(arc))
+    full_low[has], full_share[has] = low, share
+    return PhaseGrid(
+        arc=arc,
+        start=start,
+        loop=loop,
+        ahead=ahead,
+        behind=behind,
+        length=length,
+        seam=(ahead <= np.arange(len(arc))).astype(float),
+        step=step,
+        above=above,
+        low=full_low,
+        high=ahead[full_low] if len(arc) else full_low,
+        share=full_share,
+    )
+
+
+def _between(
+    arc: FloatArray, start: IntArray, length: FloatArray, lines: Contours, place: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """The node before each place and the share of the way to the next one."""
+    loop = loop_of(lines, place)
+    node = np.searchsorted(arc, place, side="right") - 1
+    # A contour's first node is its first point, so that a node before the place is one of the same contour.
+    node = np.clip(node, start[loop], start[loop + 1] - 1)
+    return node, np.clip((place - arc[node]) / length[node], 0.0, 1.0)
+
+
+def on_grid(grid: PhaseGrid, lines: Contours, finer: PhaseGrid) -> tuple[IntArray, FloatArray]:
+    """Where the nodes of a finer grid lie on this one: the node before each, and the share of the way to the next."""
+    return _between(grid.arc, grid.start, grid.length, lines, finer.arc)

@@ -1,0 +1,163 @@
+"""Spacings of samples around closed contours, and how they are brought within [λ, 2λ)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.outlines import following, preceding, ranges, starts
+from .contours import Contours, long_enough, on_loop
+
+# Spacings are compared with this slack, mm, so that rounding does not prune an exact fit.
+SLACK = 1e-9
+# Spacings are pushed apart and pulled together so often; what is left after that is spread around the whole contour.
+PUSHES = 60
+# They are brought within the bounds by this share of the wavelength, so that rounding does not break them again.
+INSIDE = 5e-4
+HALVINGS = 50
+
+
+def in_order(local: FloatArray, loop: IntArray) -> tuple[FloatArray, IntArray]:
+    """Samples sorted by loop and place."""
+    order = np.lexsort((local, loop))
+    return local[order], loop[order]
+
+
+def spacings(local: FloatArray, loop: IntArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Distance from each sample to the next one around its loop and to the one before; samples come in order."""
+    last = np.flatnonzero(np.append(loop[1:] != loop[:-1], len(loop) > 0))
+    first = np.append(0, last[:-1] + 1)[: len(last)]
+    ahead, behind = np.empty(len(local)), np.empty(len(local))
+    np.subtract(local[1:], local[:-1], out=ahead[:-1])
+    ahead[last] = local[first] + length[loop[last]] - local[last]
+    behind[1:] = ahead[:-1]
+    behind[first] = ahead[last]
+    return ahead, behind
+
+
+def relaxed(local: FloatArray, loop: IntArray, length: FloatArray, share: float) -> tuple[FloatArray, IntArray]:
+    """Move every sample by `share` of the way to the middle of its two neighbours.
+
+    Spacings become weighted means of neighbouring spacings, so bounds that all of them keep stay kept.
+    """
+    ahead, behind = spacings(local, loop, length)
+    moved = local + share * (ahead - behind) / 2
+    around = length[loop]
+    if ((moved < 0) | (moved >= around)).any():
+        return in_order(np.mod(moved, around), loop)
+    return moved, loop
+
+
+def pruned(local: FloatArray, loop: IntArray, length: FloatArray, least: float) -> tuple[FloatArray, IntArray]:
+    """Remove samples until none is closer than `least` to the next.
+
+    In each round the spacings that are shorter than both their neighbours lose one end: the one whose removal leaves
+    the shorter gap.
+    """
+    while True:
+        gap, before = spacings(local, loop, length)
+        start = starts(np.bincount(loop, minlength=len(length)))
+        many = np.diff(start)[loop] > 1
+        short = (gap < least - SLACK) & many
+        if not short.any():
+            return local, loop
+        ahead = following(start)
+        behind = np.empty_like(ahead)
+        behind[ahead] = np.arange(len(ahead))
+        chosen = short & _comes_first(gap, ahead) & _comes_first(gap, behind)
+        doomed = np.where(before <= gap[ahead], np.arange(len(gap)), ahead)[chosen]
+        keep = np.ones(len(gap), dtype=bool)
+        keep[doomed] = False
+        local, loop = local[keep], loop[keep]
+
+
+def _comes_first(gap: FloatArray, other: IntArray) -> BoolArray:
+    """Whether each spacing is shorter than another one; of equal ones the earlier counts as shorter."""
+    return np.asarray((gap < gap[other]) | ((gap == gap[other]) & (np.arange(len(gap)) < other)))
+
+
+def filled(
+    local: FloatArray, loop: IntArray, length: FloatArray, usable: BoolArray, least: float
+) -> tuple[FloatArray, IntArray]:
+    """Insert evenly spaced samples into gaps of twice `least` and more, and start empty loops."""
+    gap, _ = spacings(local, loop, length)
+    has = np.zeros(len(length), dtype=bool)
+    has[loop] = True
+    empty = np.flatnonzero(usable & ~has)
+    if not len(empty) and (gap < 2 * least - SLACK).all():
+        return local, loop
+    # An empty loop is one gap of its whole length that has a sample at its beginning.
+    begin = np.concatenate([local, np.zeros(len(empty))])
+    loop = np.concatenate([loop, empty])
+    gap = np.concatenate([gap, length[empty]])
+    parts = np.where(gap >= 2 * least - SLACK, np.floor(gap / least + SLACK), 1).astype(np.int64)
+    source = np.repeat(np.arange(len(gap)), parts)
+    step = ranges(np.zeros(len(parts), dtype=np.int64), parts)
+    place = begin[source] + gap[source] * step / parts[source]
+    return in_order(np.mod(place, length[loop[source]]), loop[source])
+
+
+def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSettings) -> FloatArray:
+    """Samples near the given ones with every spacing in [λ, 2λ), on all contours at once.
+
+    Neighbours that are too close push each other apart, those too far apart pull each other together. Where that does
+    not end soon, all spacings of the contour share what is missing; where the number of samples does not fit at all,
+    some are dropped or added as in the paper.
+
+    Args:
+        lines: M contours.
+        arc: (S,) mm, the samples.
+        loop: (S,) their contours.
+        settings: the wavelength is used.
+
+    Returns:
+        Increasing arcs; none on contours too short for the pattern.
+    """
+    least = settings.wavelength
+    local, loop = in_order(arc - lines.arc_start[loop], loop)
+    start = starts(np.bincount(loop, minlength=len(lines.layer)))
+    local = pushed(local, loop, start, lines.length, least, PUSHES)
+    local = _shared_out(local, loop, start, lines.length, least)
+    local, loop = in_order(np.mod(local, lines.length[loop]), loop)
+    local, loop = pruned(local, loop, lines.length, least)
+    local, loop = filled(local, loop, lines.length, long_enough(lines.length, settings), least)
+    return np.sort(on_loop(lines.arc_start[loop] + local, loop, lines.arc_start))
+
+
+def pushed(
+    local: FloatArray, loop: IntArray, start: IntArray, length: FloatArray, least: float, times: int
+) -> FloatArray:
+    """Samples in order on closed contours; neighbours too close or too far apart are moved, at most so often."""
+    ahead, behind = following(start), preceding(start)
+    around = np.where(ahead <= np.arange(len(ahead)), length[loop], 0.0)
+    low, high = least * (1 + INSIDE), 2 * least * (1 - INSIDE)
+    for _ in range(times):
+        gap = local[ahead] - local + around
+        wrong = np.clip(gap, low, high) - gap
+        if not wrong.any():
+            break
+        local = local + (wrong[behind] - wrong) / 2
+    return local
+
+
+def _shared_out(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArray, least: float) -> FloatArray:
+    """On contours with a spacing out of bounds, as equal a change of all spacings as brings all of them within."""
+    ahead = following(start)
+    gap = local[ahead] - local + np.where(ahead <= np.arange(len(ahead)), length[loop], 0.0)
+    count = np.diff(start)
+    low, high = least * (1 + INSIDE / 2), 2 * least * (1 - INSIDE / 2)
+    wrong = np.bincount(loop, (gap < least) | (gap >= 2 * least), len(count)) > 0
+    for this in np.flatnonzero(wrong & (count * low < length) & (count * high > length)):
+        some = slice(start[this], start[this + 1])
+        below, above = -high - float(gap[some].max()), high + float(np.abs(gap[some]).max())
+        for _ in range(HALVINGS):
+            middle = (below + above) / 2
+            if np.clip(gap[some] + middle, low, high).sum() < length[this]:
+                below = middle
+            else:
+                above = middle
+        place = np.cumsum(np.clip(gap[some] + above, low, high))
+        place = np.append(0.0, place[:-1])
+        local[some] = place + (local[some] - place).mean()
+    return local

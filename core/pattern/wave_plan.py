@@ -1,0 +1,179 @@
+"""How many waves each stretch of each contour should have, planned for the whole height at once.
+
+A wave begins or ends in between two layers wherever the number of waves on a stretch of contour differs from the number
+on what lies above it. With g the waves on each edge of the grid and δ the phase by which the pattern slides sideways
+from one layer to the next, the births less the deaths above an edge are
+
+    c = (waves above the edge) − g − δ(next node) + δ(node),
+
+the curl of the phase (compare the singularities of stripe patterns: Knöppel, Crane, Pinkall, Schröder, *Stripe Patterns
+on Surfaces*, 2015, where they come out of a quadratic energy and the spacing is free). The plan is the solution of
+
+    minimise Σ w |c| + ε Σ (g − t)² / 2t + μ Σ δ² / 2   with   length / 2λ < g < length / λ,   |δ| ≤ τ:
+
+the fewest births and deaths that the bounds on the spacing allow, all layers together; fractions of a wave are allowed
+here and rounded in `whole_waves.py`. Torn edges owe nothing. The sum of g is held at what the usual spacing λ√2 asks
+for. It is a convex problem, solved by the primal-dual method of Chambolle and Pock (2011) with their diagonal
+preconditioning (Pock, Chambolle 2011) and over-relaxation; a step is linear in the number of nodes. Most of the way is
+gone on a grid of every fourth layer, whose plan, prices of births and deaths included, is where that of all starts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from .contours import Contours
+from .phase_grid import PhaseGrid, loop_of, on_grid
+
+# Steps on the grid of every so many layers, on which most of the way is gone, and on that of all layers.
+SPAN, SPAN_STRIDE, SPAN_STEPS = 4, 6, 600
+STEPS = 100
+OVER_RELAXATION = 1.8
+# How far the waves may slide from a layer to the next, in waves, and what sliding and uneven spacing cost.
+SLIDE = 0.02
+SLIDE_COST = 0.2
+UNEVEN_COST = 0.002
+# Steps that change no number of waves and no price by more than this end the search.
+SETTLED = 1e-5
+# The plan keeps this share away from the bounds on the spacing.
+MARGIN = 0.04
+
+
+@dataclass(frozen=True)
+class WavePlan:
+    """Waves on each edge of the grid and sliding at each node, both fractions of a wave.
+
+    Attributes:
+        waves: (K,) on the edge from each node to the next.
+        slide: (K,) by how much the phase at a node's image exceeds the node's.
+        price: (K,) what one more wave above the edge would cost, between minus and plus the weight; 0 on torn edges.
+        level: what one more wave anywhere would cost.
+    """
+
+    waves: FloatArray
+    slide: FloatArray
+    price: FloatArray
+    level: float
+
+
+class _Curl:
+    """The linear map from waves and slides to births less deaths, and its transpose."""
+
+    def __init__(self, grid: PhaseGrid) -> None:
+        self.size = len(grid.arc)
+        self.cell, self.start, self.edge, self.weight = grid.rows()
+        self.owner = np.repeat(np.arange(len(self.cell)), np.diff(self.start))
+        self.ahead: IntArray = grid.ahead[self.cell]
+
+    def __call__(self, waves: FloatArray, slide: FloatArray) -> FloatArray:
+        above = np.add.reduceat(self.weight * waves[self.edge], self.start[:-1])
+        return np.asarray(above - waves[self.cell] - slide[self.ahead] + slide[self.cell])
+
+    def transposed(self, dual: FloatArray) -> tuple[FloatArray, FloatArray]:
+        here, ahead = np.zeros(self.size), np.zeros(self.size)
+        here[self.cell], ahead[self.ahead] = dual, dual
+        return np.bincount(self.edge, self.weight * dual[self.owner], self.size) - here, here - ahead
+
+    def row_sums(self) -> FloatArray:
+        """Sums of the magnitudes of each row."""
+        return np.asarray(np.add.reduceat(np.abs(self.weight), self.start[:-1]) + 3)
+
+    def column_sums(self) -> tuple[FloatArray, FloatArray]:
+        """Sums of the magnitudes of the columns of the waves and of the slides."""
+        ones, twice = np.zeros(self.size), np.zeros(self.size)
+        ones[self.cell] = 1
+        twice[self.ahead] = 1
+        return np.bincount(self.edge, np.abs(self.weight), self.size) + ones, ones + twice
+
+
+def planned(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, weight: FloatArray, settings: PrintSettings) -> WavePlan:
+    """The plan with the fewest births and deaths.
+
+    Args:
+        lines: the contours.
+        fine: the finest grid on them.
+        grid: the grid of K nodes to plan on.
+        weight: (K,) what a birth or a death above the edge from each node costs, 1 as a rule.
+        settings: the wavelength is used.
+    """
+    span = fine.spanning(lines, SPAN, SPAN_STRIDE)
+    usual = span.length / (settings.wavelength * np.sqrt(2))
+    none = np.zeros(len(span.arc))
+    node, _ = on_grid(grid, lines, span)
+    plan = _solved(span, weight[node], WavePlan(usual, none, none, 0.0), SPAN * SLIDE, SPAN_STEPS, settings)
+    return _solved(grid, weight, _taken_over(lines, fine, grid, span, plan), SLIDE, STEPS, settings)
+
+
+def _taken_over(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, span: PhaseGrid, plan: WavePlan) -> WavePlan:
+    """The plan of every so many layers as a first guess for the plan of all."""
+    if not len(span.arc):
+        usual = np.zeros(len(grid.arc))
+        return WavePlan(usual, usual, usual, plan.level)
+    left = (int(lines.layer.max(initial=0)) - lines.layer[grid.loop]) % SPAN
+    place, between = grid.arc, left > 0
+    for _ in range(SPAN - 1):
+        place = fine.carried(lines, place, left > 0)
+        left = left - 1
+    known = ~np.isnan(place)
+    there = np.where(known, place, 0.0)
+    node = np.maximum(np.searchsorted(span.arc, there, side="right") - 1, 0)
+    known &= span.loop[node] == loop_of(lines, there)
+    cell, start, edge, weight = span.rows()
+    owner = np.repeat(cell, np.diff(start))
+    covered = np.bincount(edge, np.abs(weight), len(span.arc))
+    below = np.bincount(edge, np.abs(weight) * plan.price[owner], len(span.arc)) / np.maximum(covered, 1e-9)
+    price = np.where(between, below[node], plan.price[node])
+    density = plan.waves[node] / span.length[node]
+    usual = plan.waves.sum() / span.length.sum()
+    return WavePlan(
+        waves=grid.length * np.where(known, density, usual),
+        slide=np.where(known, plan.slide[node] / SPAN, 0.0),
+        price=np.where(known, price, 0.0),
+        level=plan.level,
+    )
+
+
+def _solved(
+    grid: PhaseGrid, weight: FloatArray, first: WavePlan, most_slide: float, steps: int, settings: PrintSettings
+) -> WavePlan:
+    """So many steps of the primal-dual method from a first guess."""
+    least = grid.length / (2 * settings.wavelength) * (1 + MARGIN)
+    most = grid.length / settings.wavelength * (1 - MARGIN)
+    usual = grid.length / (settings.wavelength * np.sqrt(2))
+    waves, slide, level = np.clip(first.waves, least, most), first.slide, first.level
+    curl = _Curl(grid)
+    if not len(curl.cell):
+        return WavePlan(usual, slide, np.zeros(len(usual)), level)
+    bound = weight[curl.cell]
+    dual_step = 1 / curl.row_sums()
+    by_waves, by_slide = curl.column_sums()
+    # One more row holds the number of all waves, so that the mean spacing stays what it should be.
+    waves_step, slide_step = 1 / (by_waves + 1), 1 / np.maximum(by_slide, 1)
+    dual, total, uneven = first.price[curl.cell], float(usual.sum()), UNEVEN_COST / usual
+    value = curl(waves, slide)
+    for number in range(steps):
+        pull_waves, pull_slide = curl.transposed(dual)
+        new_waves = waves - waves_step * (pull_waves + level - uneven * usual)
+        new_waves = np.clip(new_waves / (1 + waves_step * uneven), least, most)
+        new_slide = (slide - slide_step * pull_slide) / (1 + slide_step * SLIDE_COST)
+        new_slide = np.clip(new_slide, -most_slide, most_slide)
+        new_value = curl(new_waves, new_slide)
+        new_dual = np.clip(dual + dual_step * (2 * new_value - value), -bound, bound)
+        if number % 20 == 19 and max(_moved(new_waves, waves), _moved(new_dual, dual)) < SETTLED:
+            break
+        level += OVER_RELAXATION * (2 * float(new_waves.sum()) - float(waves.sum()) - total) / len(waves)
+        waves = waves + OVER_RELAXATION * (new_waves - waves)
+        slide = slide + OVER_RELAXATION * (new_slide - slide)
+        dual = dual + OVER_RELAXATION * (new_dual - dual)
+        value = value + OVER_RELAXATION * (new_value - value)
+    price = np.zeros(len(usual))
+    price[curl.cell] = new_dual
+    return WavePlan(new_waves, new_slide, price, level)
+
+
+def _moved(new: FloatArray, old: FloatArray) -> float:
+    return float(np.abs(new - old).max())

@@ -1,0 +1,169 @@
+"""The optimised sampling: bounds on any solid, plans where the best is known, and fewer seams than the paper's."""
+
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+from dualcolor.core.mesh import triangulate
+from dualcolor.core.pattern.contours import contours, long_enough
+from dualcolor.core.pattern.optimized import optimized_samples
+from dualcolor.core.pattern.phase_grid import phase_grid
+from dualcolor.core.pattern.quality import seam_errors
+from dualcolor.core.pattern.sampling import Projector, sample
+from dualcolor.core.pattern.spacing import bounded
+from dualcolor.core.pattern.wave_plan import _Curl
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.slicing.slices import slices
+from dualcolor.tests.solids import box, cylinder, joined, lathe
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+PAPER = {"pattern": "wave_offset", "wave_depth_max": 0.75, "wave_depth_min": 0.375, "offset_max": 0.3}
+DEFAULT = PrintSettings(**PAPER)
+
+
+def lines_of(model, settings=DEFAULT):
+    cut = slices(triangulate(model, settings), settings)
+    return contours(cut.outlines, cut.loop_polygon, settings)
+
+
+def both(lines, settings=DEFAULT, visibility=None):
+    projector = Projector(lines, settings.projection_threshold)
+    plain, best = sample(lines, projector, settings), optimized_samples(lines, projector, settings, visibility)
+    return plain, best, projector
+
+
+def assert_bounds(lines, samples, settings=DEFAULT):
+    gap = samples.spacing(lines)
+    assert (gap >= settings.wavelength - 1e-6).all()
+    assert (gap < 2 * settings.wavelength).all()
+    assert ((np.diff(samples.start) > 0) == long_enough(lines.length, settings)).all()
+    assert (np.diff(samples.arc) > 0).all()
+    assert (np.searchsorted(lines.arc_start, samples.arc, side="right") - 1 == samples.loop).all()
+
+
+def random_solid(seed):
+    """A few lathed solids and boxes that stand apart, lie within one another or meet."""
+    rng = np.random.default_rng(seed)
+    parts = []
+    for _ in range(rng.integers(1, 4)):
+        x, y = rng.uniform(-8, 8, 2)
+        if rng.random() < 0.7:
+            radius = np.clip(rng.uniform(1, 7) + np.cumsum(rng.normal(0, 1.0, 7)), 0.3, 15)
+            height = rng.uniform(0, 1) + np.arange(7) * rng.uniform(0.2, 0.7)
+            parts.append(lathe(np.column_stack([radius, height]), sides=24, x=x, y=y))
+        else:
+            size = rng.uniform(0.5, 8, 3)
+            low = np.array([x, y, rng.uniform(0, 1)])
+            parts.append(box(low, low + size * [1, 1, 0.5]))
+    return joined(*parts)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.8, 3.0))
+@hypothesis_settings(max_examples=100, deadline=None)
+def test_spacing_is_bounded_on_random_solids(seed, wavelength):
+    """The bounds do not depend on how good the plan is: a rough one, which is quick, puts them to a harder test."""
+    chosen = PrintSettings(wavelength=wavelength, **PAPER)
+    lines = lines_of(random_solid(seed), chosen)
+    with patch.multiple("dualcolor.core.pattern.wave_plan", SPAN_STEPS=30, STEPS=20):
+        for samples in both(lines, chosen)[:2]:
+            assert_bounds(lines, samples, chosen)
+
+
+@given(st.lists(st.floats(0.01, 0.99), min_size=1, max_size=40))
+@hypothesis_settings(max_examples=60, deadline=None)
+def test_any_samples_are_brought_within_the_bounds(shares):
+    lines = lines_of(cylinder(radius=5, height=0.25))
+    arc = np.sort(np.array(shares)) * lines.length[0]
+    bound = bounded(lines, arc, np.zeros(len(arc), dtype=np.int64), DEFAULT)
+    gap = np.diff(np.append(bound, bound[0] + lines.length[0]))
+    assert ((gap >= 1.2 - 1e-6) & (gap < 2.4)).all()
+    fits = 1.201 < lines.length[0] / len(arc) < 2.399
+    assert not fits or len(bound) == len(arc)
+
+
+def test_a_cylinder_has_no_seam_and_the_usual_spacing():
+    lines = lines_of(cylinder(radius=10, height=10))
+    _, best, projector = both(lines)
+    assert len(set(np.diff(best.start))) == 1
+    assert best.spacing(lines).mean() == pytest.approx(1.2 * 2**0.5, rel=0.02)
+    errors = seam_errors(lines, best, projector)
+    assert np.nanmax(errors.error) < 1e-4
+
+
+def test_a_cone_that_narrows_less_than_twofold_keeps_all_its_waves():
+    lines = lines_of(lathe([[10, 0], [6, 30]]))
+    plain, best, projector = both(lines)
+    assert len(set(np.diff(best.start))) == 1
+    assert len(set(np.diff(plain.start))) > 3
+    assert seam_errors(lines, best, projector).shares(1)["salient"] == 0
+
+
+@pytest.mark.parametrize("profile", [[[10, 0], [4, 30]], [[4, 0], [10, 30]]], ids=["narrows", "widens"])
+def test_a_cone_that_changes_more_has_few_more_births_or_deaths_than_it_must(profile):
+    lines = lines_of(lathe(profile))
+    plain, best, _ = both(lines)
+    most, fewest = np.floor(lines.length.min() / 1.2), np.floor(lines.length.max() / 2.4) + 1
+    changes = np.abs(np.diff(np.diff(best.start))).sum()
+    assert fewest - most <= changes <= fewest - most + 2
+    assert changes <= 0.6 * np.abs(np.diff(np.diff(plain.start))).sum()
+
+
+def test_curl_of_waves_that_follow_the_projection_is_none():
+    """On a solid whose contours are alike, each stretch has as many waves as what lies above it."""
+    lines = lines_of(cylinder(radius=6, height=3))
+    grid = phase_grid(lines, Projector(lines, 0.6), DEFAULT)
+    curl = _Curl(grid.coarser(lines, 4))
+    coarse = grid.coarser(lines, 4)
+    assert len(curl.cell) == (np.diff(coarse.start)[:-1]).sum()
+    assert np.abs(curl(coarse.length, np.zeros(len(coarse.arc)))).max() < 1e-3
+    rng = np.random.default_rng(0)
+    waves, slide, price = (rng.normal(size=n) for n in (len(coarse.arc), len(coarse.arc), len(curl.cell)))
+    by_waves, by_slide = curl.transposed(price)
+    assert curl(waves, slide) @ price == pytest.approx(by_waves @ waves + by_slide @ slide)
+
+
+def test_nodes_are_linked_to_what_lies_above_them():
+    lines = lines_of(lathe([[10, 0], [7, 4]]))
+    projector = Projector(lines, 0.6)
+    grid = phase_grid(lines, projector, DEFAULT)
+    node = np.flatnonzero(grid.linked)
+    here, above = projector.at(grid.arc[node]), projector.at(grid.above[node])
+    low, high = projector.at(grid.arc[grid.low[node]]), projector.at(grid.arc[grid.high[node]])
+    assert np.hypot(*(here - above).T).max() < 0.25
+    between = low + grid.share[node, None] * (high - low)
+    assert np.hypot(*(between - above).T).max() < 0.02
+    assert (lines.layer[grid.loop[grid.low[node]]] == lines.layer[grid.loop[node]] + 1).all()
+
+
+def test_where_the_next_layer_is_far_away_the_surface_is_torn():
+    lines = lines_of(lathe([[10, 0], [10, 2], [6, 2], [6, 4]]))
+    grid = phase_grid(lines, Projector(lines, 0.6), DEFAULT)
+    layer = lines.layer[grid.loop]
+    assert set(layer[np.isnan(grid.step)]) == {7, 15}
+
+
+def test_same_input_same_samples():
+    model = joined(lathe([[8, 0], [3, 5], [9, 12]]), box((5, 5, 0), (14, 14, 6)))
+    lines = lines_of(model)
+    first, again = both(lines)[1], both(lines)[1]
+    assert first.arc.tobytes() == again.arc.tobytes()
+
+
+def test_nothing_long_enough_gives_no_samples():
+    lines = lines_of(cylinder(radius=0.3, height=2))
+    assert len(both(lines)[1].arc) == 0
+
+
+@pytest.mark.parametrize(("name", "height"), [("nc/kitten.obj", 54), ("spot/spot.obj", 60)])
+def test_real_models_have_fewer_seams_than_by_the_paper(data, name, height):
+    from dualcolor.tests.real_models import obj_model
+
+    lines = lines_of(obj_model(data / "meshes" / name, height))
+    plain, best, projector = both(lines)
+    assert_bounds(lines, best)
+    before, after = (seam_errors(lines, some, projector).shares(len(some.arc)) for some in (plain, best))
+    assert after["salient"] < 0.6 * before["salient"]
+    assert after["error_free"] + after["imperceptible"] > 0.99
+    assert best.spacing(lines).mean() == pytest.approx(1.2 * 2**0.5, abs=0.03)
