@@ -156,11 +156,16 @@ def is_print_shown(source: bpy.types.Object) -> bool:
 
 
 def set_drawing(scene: bpy.types.Scene) -> None:
-    """Draw and render strands as round rods with the least work; before Blender 5 rods have open ends."""
+    """Draw and render strands as round rods with the least work."""
     scene.render.hair_type = "STRAND"
     if hasattr(scene, "cycles_curves"):
-        shapes = scene.cycles_curves.bl_rna.properties["shape"].enum_items.keys()
-        scene.cycles_curves.shape = "THICK_LINEAR" if "THICK_LINEAR" in shapes else "THICK"
+        scene.cycles_curves.shape = "THICK_LINEAR" if draws_straight(scene) else "THICK"
+
+
+def draws_straight(scene: bpy.types.Scene) -> bool:
+    """Whether Cycles has straight rods with round ends; before Blender 5 it bends them, and their ends are open."""
+    shapes = getattr(scene, "cycles_curves", None)
+    return shapes is None or "THICK_LINEAR" in shapes.bl_rna.properties["shape"].enum_items
 
 
 def new_curves(
