@@ -14,12 +14,12 @@ from .operators.import_print import DUALCOLOR_OT_import_print
 from .operators.painting import OPERATORS as PAINTING_OPERATORS
 from .operators.presets import OPERATORS as PRESET_OPERATORS
 from .operators.render import OPERATORS as RENDER_OPERATORS
+from .operators.size import DUALCOLOR_OT_scale_to_height
 from .operators.supports import DUALCOLOR_OT_mark_support, DUALCOLOR_OT_select_support
 from .operators.unwrap import OPERATORS as UNWRAP_OPERATORS
+from .panels import bed
 from .panels import scrubber as scrubber_panel
-from .panels.prepare import DUALCOLOR_PT_paint, DUALCOLOR_PT_prepare
 from .panels.presets import MENUS
-from .panels.scrubber import DUALCOLOR_PT_scrubber
 from .panels.sidebar import PANELS
 
 CLASSES = (
@@ -33,13 +33,11 @@ CLASSES = (
     *PRESET_OPERATORS,
     *MENUS,
     *add.CLASSES,
+    DUALCOLOR_OT_scale_to_height,
     *CHECK_OPERATORS,
     *UNWRAP_OPERATORS,
     *PAINTING_OPERATORS,
     *PANELS,
-    DUALCOLOR_PT_prepare,
-    DUALCOLOR_PT_paint,
-    DUALCOLOR_PT_scrubber,
 )
 
 
@@ -51,6 +49,7 @@ def register() -> None:
     for added in CLASSES:
         bpy.utils.register_class(added)
     scrubber_panel.register()
+    bed.register()
     bpy.types.TOPBAR_MT_file_export.append(_draw_export_entry)
     bpy.types.TOPBAR_MT_file_import.append(_draw_import_entry)
     bpy.types.VIEW3D_MT_add.append(add.draw_add_entry)
@@ -60,6 +59,7 @@ def register() -> None:
 def unregister() -> None:
     """Remove them in the reverse order."""
     cli.unregister_command()
+    bed.unregister()
     scrubber_panel.unregister()
     bpy.types.VIEW3D_MT_add.remove(add.draw_add_entry)
     bpy.types.TOPBAR_MT_file_import.remove(_draw_import_entry)

@@ -115,6 +115,10 @@ _OWN = {
     "findings": bpy.props.StringProperty(
         name="Findings", description="What the last check found, JSON", options={"HIDDEN"}
     ),
+    "show_bed": bpy.props.BoolProperty(
+        name="Show Bed",
+        description="Draw the printer's volume that both nozzles reach, and each nozzle's reach on the bed",
+    ),
     "show_print": bpy.props.BoolProperty(
         name="Show Print",
         description="Show the strands of the predicted print in place of the model",

@@ -15,15 +15,17 @@ Steps = Generator[tuple[float, str], None, str]
 
 @dataclass(frozen=True)
 class Progress:
-    """How far the job that is running has come."""
+    """How far the job that is running has come, and whose it is: the operator's bl_idname."""
 
     share: float
     stage: str
+    operator: str
 
 
 class JobOperator:
     """What operators with a long job have in common; the job itself is `steps`. It must write to the scene last."""
 
+    bl_idname = ""
     running: Progress | None = None
 
     def steps(self, context: bpy.types.Context) -> Steps:
@@ -99,9 +101,8 @@ class JobOperator:
             except StopIteration as finished:
                 return finished.value
 
-    @staticmethod
-    def _show(context: bpy.types.Context, share: float, stage: str) -> None:
-        JobOperator.running = Progress(share, stage)
+    def _show(self, context: bpy.types.Context, share: float, stage: str) -> None:
+        JobOperator.running = Progress(share, stage, type(self).bl_idname)
         context.window_manager.progress_update(100 * share)
         context.workspace.status_text_set(f"Dual Color: {stage} ({share:.0%})    Esc: cancel")
         _redraw_sidebars(context)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 from dataclasses import fields
+from functools import cache
 
 import bpy
 
@@ -21,6 +23,12 @@ def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
         cls.poll_message_set("Leave Edit Mode first")
         return False
     return True
+
+
+@cache
+def has_xatlas() -> bool:
+    """Whether xatlas is installed; it is not looked for at every move of the mouse."""
+    return importlib.util.find_spec("xatlas") is not None
 
 
 class DUALCOLOR_OT_unwrap_xatlas(JobOperator, bpy.types.Operator):
@@ -70,7 +78,10 @@ class DUALCOLOR_OT_unwrap_xatlas(JobOperator, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """A mesh in Object Mode is needed."""
+        """A mesh in Object Mode is needed, and xatlas."""
+        if not has_xatlas():
+            cls.poll_message_set("xatlas is not installed; use Smart UV Project")
+            return False
         return has_mesh(cls, context)
 
     def steps(self, context: bpy.types.Context) -> Steps:

@@ -1,52 +1,69 @@
-"""The panels for what comes before the print: a sound mesh, a UV map, a picture."""
+"""The panel for what comes before the picture: the right size, a sound mesh."""
 
 from __future__ import annotations
 
 import bpy
+import numpy as np
 
+from ..bridge.bed import bounds_mm, what_does_not_fit
 from ..bridge.curves import source_of
 from ..bridge.model_check import TITLES
+from ..bridge.plate import objects_to_print
 from ..bridge.properties import findings_of
+from ..core.printer import printer_profile
 from ..operators.check_model import DUALCOLOR_OT_check_model, DUALCOLOR_OT_repair_model, DUALCOLOR_OT_select_finding
-from ..operators.painting import DUALCOLOR_OT_grey_from_color, DUALCOLOR_OT_set_up_painting
-from ..operators.unwrap import DUALCOLOR_OT_unwrap_smart, DUALCOLOR_OT_unwrap_xatlas
-from .tab import ObjectPanel
+from ..operators.size import DUALCOLOR_OT_scale_to_height
+from .rows import draw_progress, draw_sentence
+from .tab import ObjectPanel, order_of
+
+LEAVE_EDIT_MODE = "Leave Edit Mode (Tab) for the buttons that are grey"
 
 
 class DUALCOLOR_PT_prepare(ObjectPanel, bpy.types.Panel):
-    """Check the mesh and mend it."""
+    """How large the print is, and whether the mesh is sound."""
 
     bl_label = "Prepare"
-    bl_order = 0
-    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012  (Blender reads the class)
+    bl_order = order_of("prepare")
 
     def draw(self, context: bpy.types.Context) -> None:
-        """The buttons, and what the check has found."""
-        row = self.layout.row(align=True)
+        """Size, bed, check."""
+        obj, layout = source_of(context.object), self.layout
+        _draw_size(layout, context, obj)
+        row = layout.row(align=True)
         row.operator(DUALCOLOR_OT_check_model.bl_idname, icon="VIEWZOOM")
         row.operator(DUALCOLOR_OT_repair_model.bl_idname, icon="TOOL_SETTINGS")
-        found = findings_of(source_of(context.object).dualcolor)
-        if found and not any(found.values()):
-            self.layout.label(text="Nothing is wrong", icon="CHECKMARK")
-        for kind, count in found.items():
-            if count:
-                row = self.layout.row()
-                row.label(text=f"{TITLES[kind]}: {count}", icon="ERROR")
-                row.operator(DUALCOLOR_OT_select_finding.bl_idname).kind = kind
+        draw_progress(layout, DUALCOLOR_OT_check_model, DUALCOLOR_OT_select_finding)
+        if obj.type != "MESH":
+            draw_sentence(layout, context, "Only meshes can be checked: Object > Convert > Mesh", "INFO")
+        elif obj.mode == "EDIT":
+            draw_sentence(layout, context, LEAVE_EDIT_MODE, "INFO")
+        _draw_findings(layout, obj)
 
 
-class DUALCOLOR_PT_paint(ObjectPanel, bpy.types.Panel):
-    """Unwrap and paint."""
+def _draw_size(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    group = obj.dualcolor
+    size = np.ptp(bounds_mm([obj]), axis=0)
+    row = layout.split(factor=0.25)
+    row.label(text="Size")
+    row.label(text=" × ".join(f"{side:.1f}" for side in size) + " mm")
+    row = layout.row(align=True)
+    row.operator(DUALCOLOR_OT_scale_to_height.bl_idname, icon="FULLSCREEN_ENTER").height = max(1.0, min(size[2], 1000))
+    row.prop(group, "show_bed", toggle=True, icon="CUBE")
+    bounds = bounds_mm(objects_to_print(context) or [obj])
+    if not group.arrange and (
+        problem := what_does_not_fit(bounds, printer_profile(group.printer), group.center_on_bed)
+    ):
+        draw_sentence(layout, context, problem)
 
-    bl_label = "Paint"
-    bl_order = 0
-    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012  (Blender reads the class)
 
-    def draw(self, _context: bpy.types.Context) -> None:
-        """The buttons in the order of the work."""
-        column = self.layout.column(align=True)
-        column.operator(DUALCOLOR_OT_unwrap_xatlas.bl_idname, icon="UV")
-        column.operator(DUALCOLOR_OT_unwrap_smart.bl_idname, icon="UV")
-        column = self.layout.column(align=True)
-        column.operator(DUALCOLOR_OT_set_up_painting.bl_idname, icon="TPAINT_HLT")
-        column.operator(DUALCOLOR_OT_grey_from_color.bl_idname, icon="IMAGE_DATA")
+def _draw_findings(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
+    found = findings_of(obj.dualcolor)
+    if found and not any(found.values()):
+        layout.label(text="Nothing is wrong", icon="CHECKMARK")
+    for kind, count in found.items():
+        if count:
+            row = layout.row()
+            row.label(text=f"{TITLES[kind]}: {count}", icon="ERROR")
+            button = row.row()
+            button.alignment = "RIGHT"
+            button.operator(DUALCOLOR_OT_select_finding.bl_idname).kind = kind

@@ -53,7 +53,7 @@ class DUALCOLOR_PT_presets(ObjectPanel, bpy.types.Panel):
     """What is printed with what, chosen by name."""
 
     bl_label = "Presets"
-    bl_order = 0
+    bl_parent_id = "DUALCOLOR_PT_main"
 
     def draw_header_preset(self, context: bpy.types.Context) -> None:
         """The menu of what concerns all settings, at the right end of the heading."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import Any
 
 _TOOL_SIDES = ("right", "left")
@@ -29,8 +28,3 @@ def duration(seconds: float) -> str:
     """Hours and minutes."""
     minutes = round(seconds / 60)
     return f"{minutes // 60} h {minutes % 60:02d} min" if minutes >= 60 else f"{minutes} min"
-
-
-def wrapped(text: str, width_px: float, scale: float) -> list[str]:
-    """A text as the lines that fit into a region of the sidebar."""
-    return textwrap.wrap(text, max(16, int(width_px / (7.0 * scale)) - 6))

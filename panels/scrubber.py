@@ -12,21 +12,19 @@ from ..bridge.curves import is_print_shown, preview_of, source_of
 from ..bridge.scrubber import KINDS, last_layer, moves_shown
 from ..bridge.strand_colours import LEGENDS, Colour, legend_of
 from ..core.viewing import encoded_tone
-from ..operators.render import DUALCOLOR_OT_export_strands
+from .tab import Tab
 
 _SWATCH_PIXELS = 16
 _handles: list[object] = []
 _swatches: list[bpy.utils.previews.ImagePreviewCollection] = []
 
 
-class DUALCOLOR_PT_scrubber(bpy.types.Panel):
+class DUALCOLOR_PT_scrubber(Tab, bpy.types.Panel):
     """Layers, moves and features that are visible, of a generated print or an imported one."""
 
-    bl_label = "Dual Color Layers"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Dual Color"
-    bl_order = 1
+    bl_label = "Layers"
+    bl_parent_id = "DUALCOLOR_PT_predict"
+    bl_order = 0
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -55,7 +53,6 @@ class DUALCOLOR_PT_scrubber(bpy.types.Panel):
         legend.scale_y = 0.8
         for text, colour in legend_of(view.colour_by):
             legend.label(text=text, icon_value=_swatch(colour))
-        self.layout.operator(DUALCOLOR_OT_export_strands.bl_idname, icon="EXPORT")
 
 
 def _swatch(colour: Colour) -> int:

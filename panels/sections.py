@@ -7,31 +7,43 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Section:
-    """A panel of the sidebar.
+    """A panel of the sidebar that holds settings.
 
     Attributes:
         key: part of the panel's identifier.
         title: the heading.
         settings: names of the settings, from the top.
-        is_open: at first.
+        stage: key of the stage that it folds away under; empty for what a stage itself shows.
+        switch: a setting that stands in the heading, since without it the others do nothing.
     """
 
     key: str
     title: str
     settings: tuple[str, ...]
-    is_open: bool = False
+    stage: str = ""
+    switch: str = ""
 
 
-TEXTURE = Section("texture", "Texture", ("background_tone", "texture_filter"), is_open=True)
-PATTERN = Section(
-    "pattern",
-    "Pattern",
+PAINT = Section("paint", "Paint", ("background_tone",))
+PATTERN = Section("pattern", "Pattern", ("pattern", "wavelength", "wave_depth_max", "wave_depth_min", "offset_max"))
+PRINT = Section(
+    "print",
+    "Print",
+    ("layer_height", "extrusion_width", "perimeters", "infill_density", "bottom_solid_layers", "top_solid_layers"),
+)
+STAGES = (PAINT, PATTERN, PRINT)
+
+PREPARE_ADVANCED = Section(
+    "placing",
+    "Advanced",
+    ("center_on_bed", "arrange", "arrange_distance", "gap_closing_radius"),
+    stage="prepare",
+)
+PAINT_ADVANCED = Section("texture", "Advanced", ("texture_filter",), stage="paint")
+PATTERN_ADVANCED = Section(
+    "pattern_detail",
+    "Advanced",
     (
-        "pattern",
-        "wavelength",
-        "wave_depth_max",
-        "wave_depth_min",
-        "offset_max",
         "offset_onset",
         "max_unsupported",
         "flat_layers",
@@ -40,38 +52,40 @@ PATTERN = Section(
         "relaxation",
         "chord_tolerance",
     ),
-    is_open=True,
+    stage="pattern",
 )
-SECTIONS = (
-    PATTERN,
+PREDICT_ADVANCED = Section("prediction", "Advanced", ("sag",), stage="predict")
+PRINT_DETAILS = (
     Section(
-        "print",
-        "Print",
+        "supports",
+        "Supports",
         (
-            "layer_height",
-            "first_layer_height",
-            "extrusion_width",
-            "perimeters",
-            "bottom_solid_layers",
-            "top_solid_layers",
-            "infill_density",
+            "support_auto",
+            "support_from",
+            "support_threshold_angle",
+            "support_spacing",
+            "support_xy_distance",
+            "support_z_distance",
+            "support_interface_layers",
+            "support_interface_spacing",
         ),
-        is_open=True,
+        stage="print",
+        switch="support_enable",
     ),
     Section(
-        "detail",
-        "Slicing and Fill",
+        "adhesion",
+        "Brim, Raft and Skirt",
         (
-            "center_on_bed",
-            "arrange",
-            "arrange_distance",
-            "gap_closing_radius",
-            "infill_pattern",
-            "infill_angle",
-            "infill_overlap",
-            "outer_wall_first",
-            "seam_position",
+            "brim_width",
+            "raft_layers",
+            "raft_margin",
+            "raft_gap",
+            "skirts",
+            "skirt_distance",
+            "first_layer_height",
+            "first_layer_extrusion_width",
         ),
+        stage="print",
     ),
     Section(
         "tower",
@@ -88,34 +102,13 @@ SECTIONS = (
             "ooze_shield",
             "ooze_shield_distance",
         ),
+        stage="print",
     ),
     Section(
-        "supports",
-        "Supports",
-        (
-            "support_enable",
-            "support_auto",
-            "support_from",
-            "support_threshold_angle",
-            "support_spacing",
-            "support_xy_distance",
-            "support_z_distance",
-            "support_interface_layers",
-            "support_interface_spacing",
-        ),
-    ),
-    Section(
-        "adhesion",
-        "Adhesion",
-        (
-            "brim_width",
-            "raft_layers",
-            "raft_margin",
-            "raft_gap",
-            "skirts",
-            "skirt_distance",
-            "first_layer_extrusion_width",
-        ),
+        "detail",
+        "Walls and Fill",
+        ("outer_wall_first", "seam_position", "infill_pattern", "infill_angle", "infill_overlap"),
+        stage="print",
     ),
     Section(
         "speed",
@@ -134,6 +127,7 @@ SECTIONS = (
             "min_move_time",
             "max_volumetric_speed",
         ),
+        stage="print",
     ),
     Section(
         "extrusion",
@@ -154,11 +148,13 @@ SECTIONS = (
             "z_hop",
             "z_hop_toolchange",
         ),
+        stage="print",
     ),
     Section(
         "filament",
-        "Filament",
+        "Printer and Filament",
         (
+            "printer",
             "black_tool",
             "filament_diameter_0",
             "filament_diameter_1",
@@ -170,7 +166,8 @@ SECTIONS = (
             "preheat_time",
             "bed_temperature",
         ),
+        stage="print",
     ),
-    Section("printer", "Printer", ("printer",)),
-    Section("prediction", "Predicted Print", ("sag",)),
 )
+FOLDED = (PREPARE_ADVANCED, PAINT_ADVANCED, PATTERN_ADVANCED, *PRINT_DETAILS, PREDICT_ADVANCED)
+SECTIONS = (*STAGES, *FOLDED)

@@ -7,6 +7,14 @@ import bpy
 from ..bridge.curves import source_of
 from ..bridge.mesh_input import WITH_SURFACE
 
+STAGES = ("main", "prepare", "paint", "pattern", "print", "predict", "calibrate")
+"""The tab's panels from the top, as the work goes; what belongs to one of them folds away inside it."""
+
+
+def order_of(stage: str) -> int:
+    """The place of a stage's panel in the tab."""
+    return STAGES.index(stage)
+
 
 class Tab:
     """Where all panels of this extension are."""
@@ -18,8 +26,6 @@ class Tab:
 
 class ObjectPanel(Tab):
     """A panel that is there only for an object that can be printed."""
-
-    bl_parent_id = "DUALCOLOR_PT_main"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

@@ -19,7 +19,8 @@ from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.core.errors import OutputError, PrintError  # noqa: E402
 from dualcolor.operators.generate import DUALCOLOR_OT_generate  # noqa: E402
 from dualcolor.operators.job import JobOperator  # noqa: E402
-from dualcolor.panels.results import duration, figures, wrapped  # noqa: E402
+from dualcolor.panels.results import duration, figures  # noqa: E402
+from dualcolor.panels.rows import wrapped  # noqa: E402
 
 DATA_KINDS = ("scenes", "collections", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials")
 

@@ -10,7 +10,7 @@ import dualcolor  # noqa: E402
 from dualcolor.bridge import properties  # noqa: E402
 from dualcolor.core.errors import SettingsError  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
-from dualcolor.panels.sections import SECTIONS, TEXTURE  # noqa: E402
+from dualcolor.panels.sections import SECTIONS  # noqa: E402
 
 
 @pytest.fixture
@@ -69,5 +69,5 @@ def test_a_report_is_stored_with_the_object(group):
 
 
 def test_every_setting_is_in_the_sidebar_once():
-    shown = [name for section in (TEXTURE, *SECTIONS) for name in section.settings]
+    shown = [name for section in SECTIONS for name in (*section.settings, section.switch) if name]
     assert sorted(shown) == sorted(declared.name for declared in fields(PrintSettings))

@@ -1,0 +1,68 @@
+"""Scale to Height."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..bridge.bed import bounds_mm, scale_to_height
+from ..bridge.curves import source_of
+from ..bridge.units import mm_per_unit, use_millimetres
+from .generate import has_printable
+
+_USUAL_MM = 60.0
+
+
+class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
+    """Scale the object evenly until it is as high as it is to be printed"""
+
+    bl_idname = "dualcolor.scale_to_height"
+    bl_label = "Scale to Height"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    height: bpy.props.FloatProperty(
+        name="Height", default=_USUAL_MM, min=1.0, max=1000.0, precision=1, unit="CAMERA",
+        description="Height of the printed object",
+    )  # fmt: skip
+    scene_in_mm: bpy.props.BoolProperty(
+        name="Scene in Millimeters",
+        description="Make a unit of the scene a millimeter, so that brushes, grid and views suit small things. "
+        "The numbers of all other objects stay, so they become smaller",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """An object with a surface is needed, not in Edit Mode."""
+        if not has_printable(cls, context):
+            return False
+        if source_of(context.object).mode == "EDIT":
+            cls.poll_message_set("Leave Edit Mode first")
+            return False
+        return True
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Ask for the height; a scene in metres is best changed at this moment."""
+        self.scene_in_mm = mm_per_unit(context.scene) != 1.0
+        return context.window_manager.invoke_props_dialog(self)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Scale, and show the object as large as the view allows."""
+        obj = source_of(context.object)
+        if not np.ptp(bounds_mm([obj]), axis=0)[2] > 0:
+            self.report({"ERROR"}, f"{obj.name} is flat: it has no height to scale")
+            return {"CANCELLED"}
+        if self.scene_in_mm:
+            use_millimetres(context.scene)
+        scale_to_height(obj, self.height)
+        if context.area and context.area.type == "VIEW_3D":
+            self._frame(context)
+        self.report({"INFO"}, f"{obj.name} is {self.height:.1f} mm high")
+        return {"FINISHED"}
+
+    @staticmethod
+    def _frame(context: bpy.types.Context) -> None:
+        """Fill the view with the object, which a change of scale may have made a dot."""
+        region = next((region for region in context.area.regions if region.type == "WINDOW"), None)
+        with context.temp_override(region=region):
+            if bpy.ops.view3d.view_selected.poll():
+                bpy.ops.view3d.view_selected()

@@ -1,0 +1,53 @@
+"""The panel for the picture: chosen, made from a coloured one, or painted."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..bridge.curves import source_of
+from ..bridge.painting import picture_of
+from ..operators.painting import DUALCOLOR_OT_grey_from_color, DUALCOLOR_OT_set_up_painting
+from ..operators.unwrap import DUALCOLOR_OT_unwrap_smart, DUALCOLOR_OT_unwrap_xatlas, has_xatlas
+from .prepare import LEAVE_EDIT_MODE
+from .rows import draw_progress, draw_sentence, draw_settings
+from .sections import PAINT
+from .tab import ObjectPanel, order_of
+
+
+class DUALCOLOR_PT_paint(ObjectPanel, bpy.types.Panel):
+    """The picture, a UV map for it, and painting."""
+
+    bl_label = "Paint"
+    bl_order = order_of("paint")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """In the order of the work."""
+        obj, layout = source_of(context.object), self.layout
+        column = layout.column(align=True)
+        column.operator(DUALCOLOR_OT_unwrap_xatlas.bl_idname, icon="UV")
+        column.operator(DUALCOLOR_OT_unwrap_smart.bl_idname, icon="UV")
+        draw_progress(layout, DUALCOLOR_OT_unwrap_xatlas)
+        column = layout.column(align=True)
+        column.operator(DUALCOLOR_OT_set_up_painting.bl_idname, icon="TPAINT_HLT")
+        column.operator(DUALCOLOR_OT_grey_from_color.bl_idname, icon="IMAGE_DATA")
+        for hint in hints(obj):
+            draw_sentence(layout, context, hint, "INFO")
+        layout.template_ID(obj.dualcolor, "image", new="image.new", open="image.open", text="Image")
+        draw_settings(layout, obj, PAINT)
+
+
+def hints(obj: bpy.types.Object) -> list[str]:
+    """Why some of the buttons are grey, and where the tone comes from if no image is chosen."""
+    if obj.type != "MESH":
+        return ["Only meshes can be painted: Object > Convert > Mesh"]
+    if obj.mode == "EDIT":
+        return [LEAVE_EDIT_MODE]
+    found = [] if has_xatlas() else ["xatlas is not installed here: Smart UV Project does it too"]
+    picture = picture_of(obj)
+    if picture is None and not obj.data.color_attributes:
+        found.append("No image yet: all prints in the background tone")
+    elif picture is not None and not obj.data.uv_layers:
+        found.append("The image needs a UV map: unwrap first")
+    elif picture is not None and not obj.dualcolor.image:
+        found.append(f"Prints the material's image {picture.name}")
+    return found

@@ -1,0 +1,60 @@
+"""The panel Print: what matters first, generate, export; and what the last job found."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..bridge.curves import source_of
+from ..bridge.properties import report_of, values_of
+from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
+from ..operators.generate import DUALCOLOR_OT_generate
+from .results import figures
+from .rows import draw_progress, draw_sentence, draw_settings
+from .sections import PRINT
+from .tab import ObjectPanel, order_of
+
+
+class DUALCOLOR_PT_print(ObjectPanel, bpy.types.Panel):
+    """From the object to the printer's file."""
+
+    bl_label = "Print"
+    bl_order = order_of("print")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Settings, then the buttons."""
+        layout = self.layout
+        draw_settings(layout, source_of(context.object), PRINT)
+        buttons = layout.column(align=True)
+        buttons.scale_y = 1.4
+        buttons.operator(DUALCOLOR_OT_generate.bl_idname, icon="PLAY")
+        buttons.operator(DUALCOLOR_OT_export_x3g.bl_idname, icon="EXPORT")
+        buttons.operator(DUALCOLOR_OT_export_gcode.bl_idname, icon="EXPORT")
+        draw_progress(layout, DUALCOLOR_OT_generate, DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g)
+
+
+class DUALCOLOR_PT_results(ObjectPanel, bpy.types.Panel):
+    """What the last job found."""
+
+    bl_label = "Results"
+    bl_parent_id = "DUALCOLOR_PT_print"
+    bl_order = 0
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """Figures, then warnings."""
+        group, layout = source_of(context.object).dualcolor, self.layout
+        report = report_of(group)
+        if not report:
+            layout.label(text="Nothing generated yet")
+            return
+        if report["settings"] != values_of(group):
+            layout.label(text="Settings have changed since", icon="FILE_REFRESH")
+        table = layout.column(align=True)
+        for label, value in figures(report):
+            row = table.split(factor=0.4)
+            row.label(text=label)
+            row.label(text=value)
+        for warning in report["warnings"]:
+            draw_sentence(layout, context, warning)
+
+
+PANELS = (DUALCOLOR_PT_print, DUALCOLOR_PT_results)

@@ -1,0 +1,43 @@
+"""Rows that several panels draw: settings, sentences, the progress of a job."""
+
+from __future__ import annotations
+
+import textwrap
+
+import bpy
+
+from ..operators.job import JobOperator
+from .sections import Section
+
+
+def draw_settings(layout: bpy.types.UILayout, obj: bpy.types.Object, section: Section) -> None:
+    """The settings of a section, one a row."""
+    column = layout.column()
+    for name in section.settings:
+        if obj.dualcolor.bl_rna.properties[name].type != "ENUM":
+            column.prop(obj.dualcolor, name)
+            continue
+        row = column.split(factor=0.4)  # numbers have their names inside the field, choices beside it
+        row.label(text=obj.dualcolor.bl_rna.properties[name].name)
+        row.prop(obj.dualcolor, name, text="")
+
+
+def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "ERROR") -> None:
+    """A sentence on as many lines as the sidebar's width asks for."""
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for number, line in enumerate(wrapped(text, context.region.width, context.preferences.system.ui_scale)):
+        column.label(text=line, icon="BLANK1" if number else icon)
+
+
+def wrapped(text: str, width_px: float, scale: float) -> list[str]:
+    """A text as the lines that fit into a region of the sidebar."""
+    return textwrap.wrap(text, max(16, int(width_px / (7.0 * scale)) - 6))
+
+
+def draw_progress(layout: bpy.types.UILayout, *operators: type[bpy.types.Operator]) -> None:
+    """How far the job has come, if it is one of these operators'."""
+    running = JobOperator.running
+    if running and running.operator in {operator.bl_idname for operator in operators}:
+        layout.progress(factor=running.share, text=running.stage)
+        layout.label(text="Esc cancels", icon="EVENT_ESC")
