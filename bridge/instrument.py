@@ -120,13 +120,14 @@ class Stand:
         render.resolution_x = max(round(face.width / mm_per_pixel), 1)
         render.resolution_y = max(round(face.height / mm_per_pixel), 1)
         flat_x, flat_y = math.cos(math.radians(theta_deg)), math.cos(math.radians(phi_deg))
-        least = min(flat_x, flat_y)
-        render.pixel_aspect_x, render.pixel_aspect_y = flat_x / least, flat_y / least
+        # The rectangle is covered exactly, so pixels are not quite square.
+        across, up = flat_x * face.width / render.resolution_x, flat_y * face.height / render.resolution_y
+        render.pixel_aspect_x, render.pixel_aspect_y = max(across / up, 1.0), max(up / across, 1.0)
         axes = view_axes(face, phi_deg, theta_deg)
         camera = scene.camera
         camera.data.ortho_scale = face.width * flat_x
         camera.matrix_world = _matrix(axes, axes[2] * 2 * self._reach)
-        scene.cycles.samples, scene.cycles.seed = samples, seed
+        _set_samples(scene, samples, seed)
         return _developed(scene)
 
 
@@ -209,6 +210,15 @@ def _set_output(scene: bpy.types.Scene) -> None:
     cycles.filter_width = 1.0
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = _BOUNCES
     cycles.sample_clamp_indirect = 0.0  # a clamp would take light away
+
+
+def _set_samples(scene: bpy.types.Scene, samples: int, seed: int) -> None:
+    """All samples but the very first: that is the middle of every pixel, and where pixels keep step with the layers
+    all of them would hit the strands alike."""
+    cycles = scene.cycles
+    cycles.samples, cycles.sample_offset, cycles.seed = samples + 1, 1, seed
+    if hasattr(cycles, "use_sample_subset"):  # since Blender 5.0
+        cycles.use_sample_subset, cycles.sample_subset_length = True, samples
 
 
 def _developed(scene: bpy.types.Scene) -> Float32Array:

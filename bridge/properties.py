@@ -36,6 +36,8 @@ def property_of(declared: Field[Any]) -> Any:
         return bpy.props.BoolProperty(**common)
     if isinstance(default, int):
         return bpy.props.IntProperty(min=int(limits["low"]), max=int(limits["high"]), **common)
+    if isinstance(default, str):
+        return bpy.props.StringProperty(subtype="FILE_PATH", **common)
     shown = {"mm": {"unit": "CAMERA"}, "%": {"subtype": "PERCENTAGE"}}.get(limits["unit"], {})
     step = 1 if limits["high"] <= 10 else 100
     return bpy.props.FloatProperty(

@@ -34,3 +34,7 @@ class TextureError(PrintError):
 
 class OutputError(PrintError):
     """A file that cannot be written."""
+
+
+class CalibrationError(PrintError):
+    """Readings or a tone table that are missing, broken or at odds with one another."""

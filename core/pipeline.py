@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from .breakdown import filament_report, single_color_seconds, time_report
+from .calibration.calibrate import calibrated
 from .checks import check
 from .fill.paths import fill_paths
 from .gcode.standby import standby_warnings
@@ -126,7 +127,8 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         del painting, pyramids  # as large as the moves that are to come
         yield stage(0.5, "modulation")
         slant = average_along_wall(slant_along(lines, mesh), lines, settings.wavelength)
-        depth, set_back = modulated(lines, tone, slant, settings)
+        printed, notes = calibrated(tone, slant, settings)
+        depth, set_back = modulated(lines, printed, slant, settings)
         outlines = waved(lines, samples, tone, depth, set_back, settings)
         yield stage(0.6, "fill")
         inside = inside_of_wall(lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
@@ -151,6 +153,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     seconds = move_seconds(moves, settings.printer_profile)
     warnings += skirt_warnings(moves, settings)
     warnings += standby_warnings(moves, seconds, settings)
+    warnings += notes
     report |= {"time_s": time_report(moves, settings, single_color, seconds)}
     report |= {"filament": filament_report(moves, settings)}
     clock.stop()

@@ -111,6 +111,22 @@ class PrintSettings:
         group="texture",
     )
 
+    # Tone calibration
+    calibration: str = setting(
+        "slope_aware",
+        "Prints the tones that are seen as those asked for: by the response of an upright wall, of the wall's own "
+        "slope, by a tone table of your own, or not at all",
+        choices=("none", "upright", "slope_aware", "file"),
+        group="texture",
+    )
+    calibration_file: str = setting("", "The tone table for calibration = file, made by build-table", group="texture")
+    gamut_mapping: str = setting(
+        "compress",
+        "Tones out of reach: all are compressed to the printable range, or what is beyond it is clipped",
+        choices=("clip", "compress"),
+        group="texture",
+    )
+
     # Walls and fill
     extrusion_width: float = setting(0.4, "Width of an extruded line", "mm", 0.2, 1.2)
     first_layer_extrusion_width: float = setting(0.4, "Width of the first layer's lines, on the bed", "mm", 0.2, 1.2)

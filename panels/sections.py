@@ -39,7 +39,12 @@ PREPARE_ADVANCED = Section(
     ("center_on_bed", "arrange", "arrange_distance", "gap_closing_radius"),
     stage="prepare",
 )
-PAINT_ADVANCED = Section("texture", "Advanced", ("texture_filter",), stage="paint")
+PAINT_ADVANCED = Section(
+    "texture",
+    "Advanced",
+    ("texture_filter", "calibration", "calibration_file", "gamut_mapping"),
+    stage="paint",
+)
 PATTERN_ADVANCED = Section(
     "pattern_detail",
     "Advanced",

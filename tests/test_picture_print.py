@@ -21,7 +21,7 @@ MM_PER_PIXEL = 0.125  # two pixels a layer, four a texel
 
 def printed(tone, pattern, rows_up=0.0):
     """The print of a plate; its picture can be put some rows of texels too high."""
-    settings = PrintSettings(texture_filter="lanczos", pattern=pattern, infill_density=0)
+    settings = PrintSettings(texture_filter="lanczos", pattern=pattern, infill_density=0, calibration="none")
     plate = picture_plate(0.5 * tone.shape[1], 0.5 * tone.shape[0], 2, settings)
     uv = np.clip(plate.corner_uv - [0, rows_up / plate.rows], 0, 1)
     tone = tone.astype(np.float32)

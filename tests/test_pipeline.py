@@ -18,7 +18,7 @@ from dualcolor.tests.gpx import convert
 from dualcolor.tests.real_models import image_file, obj_model
 from dualcolor.tests.solids import box, cylinder, joined, lathe, picture
 
-SMALL = PrintSettings(skirt_distance=2.0)
+SMALL = PrintSettings(skirt_distance=2.0, calibration="none")
 GRADIENT = picture(np.tile(np.linspace(0, 1, 64)[:, None], (1, 8)))
 
 

@@ -21,7 +21,7 @@ from dualcolor.tests.solids import box  # noqa: E402
 
 @pytest.fixture(scope="module")
 def printed():
-    return generate(box((0, 0, 0), (9, 8, 2)), PrintSettings(pattern="wave"))
+    return generate(box((0, 0, 0), (9, 8, 2)), PrintSettings(pattern="wave", calibration="none"))
 
 
 @pytest.fixture

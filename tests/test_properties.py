@@ -35,7 +35,8 @@ def test_a_property_has_the_limits_and_words_of_its_setting(group, declared):
     elif limits["low"] is not None:
         assert (made.hard_min, made.hard_max) == pytest.approx((limits["low"], limits["high"]))
     kinds = {bool: "BOOLEAN", int: "INT", float: "FLOAT", str: "ENUM"}
-    assert made.type == kinds[type(declared.default)]
+    is_path = isinstance(declared.default, str) and not limits["choices"]
+    assert made.type == ("STRING" if is_path else kinds[type(declared.default)])
     assert limits["unit"] in ("", "mm", "%") or f"({limits['unit']})" in made.name
 
 

@@ -20,7 +20,7 @@ def test_defaults_are_valid_and_described():
         assert not about["description"].endswith("."), declared.name
         if isinstance(declared.default, int | float) and not isinstance(declared.default, bool):
             assert about["low"] <= declared.default <= about["high"], declared.name
-        if isinstance(declared.default, str):
+        if isinstance(declared.default, str) and declared.default:
             assert declared.default in about["choices"], declared.name
 
 
