@@ -41,11 +41,7 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
         smart_project(obj)
     image = picture_of(obj)
     if image is None:
-        image = _new_picture(f"{obj.name} Tone", picture_size(obj, texel_mm), background_tone)
-        if obj.data.materials and any(obj.data.materials):
-            obj.dualcolor.image = image  # the materials stay as they are
-        else:
-            _show_in_new_material(obj, image)
+        image = give_picture(obj, texel_mm, background_tone)
     if obj.mode != "TEXTURE_PAINT":
         bpy.ops.object.mode_set(mode="TEXTURE_PAINT")
     paint = bpy.context.scene.tool_settings.image_paint
@@ -56,12 +52,39 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
     return image
 
 
+def give_picture(obj: bpy.types.Object, texel_mm: float, tone: float) -> bpy.types.Image:
+    """Give an object that has a UV map a new picture of one tone, fine enough for the print.
+
+    Raises:
+        TextureError: the UV map has no area.
+    """
+    image = _new_picture(f"{obj.name} Tone", picture_size(obj, texel_mm), tone)
+    if any(obj.data.materials):
+        obj.dualcolor.image = image  # the materials stay as they are
+    else:
+        _show_in_new_material(obj, image)
+    return image
+
+
 def picture_of(obj: bpy.types.Object) -> bpy.types.Image | None:
     """The picture that an object is printed with: the chosen one, else that of its materials."""
     if obj.dualcolor.image:
         return obj.dualcolor.image
     found = (base_colour(material).image for material in obj.data.materials)
     return next((image for image in found if image), None)
+
+
+def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bpy.types.Image) -> None:
+    """Print and show another picture wherever an object has the former one; strokes go to it too."""
+    if obj.dualcolor.image in (None, former):
+        obj.dualcolor.image = picture
+    for material in filter(None, obj.data.materials):
+        for node in material.node_tree.nodes if material.node_tree else ():
+            if node.type == "TEX_IMAGE" and node.image == former:
+                node.image = picture
+    paint = bpy.context.scene.tool_settings.image_paint
+    if paint.canvas == former:
+        paint.canvas = picture
 
 
 def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:

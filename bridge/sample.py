@@ -9,17 +9,17 @@ from mathutils import Matrix
 
 from ..core.model import Float32Array
 from ..core.texture.decode import srgb_from_linear
+from .ambient_occlusion import occlusion
 from .units import use_millimetres
 from .unwrap import unwrap
 
 NAME = "Suzanne"
 HEIGHT_MM = 60.0
+AO_SAMPLES = 20
 IMAGE_SIZE = 1024
 SUBDIVISIONS = 2
 CHIN_CUT = -0.94  # heights in the primitive's own units, in which the head reaches from -0.98 to 0.98
 NECK_TOP = -0.2
-AO_SAMPLES = 20
-AO_DISTANCE_MM = 25.0
 
 WHITE, GINGER, BLACK = np.array([[0.86, 0.83, 0.78], [0.45, 0.19, 0.055], [0.018, 0.016, 0.015]], dtype=np.float32)
 """Linear RGB of the coat."""
@@ -40,8 +40,8 @@ def make_sample() -> bpy.types.Object:
     unwrap(obj, "xatlas")
     node = _image_node(obj)
     position = _baked(node, "POSITION")
-    shade = _baked_occlusion(obj, node)
-    node.image = _image(coat(position.reshape(-1, 3) / HEIGHT_MM).reshape(position.shape) * shade)
+    shade = occlusion(obj, (IMAGE_SIZE, IMAGE_SIZE), samples=AO_SAMPLES)
+    node.image = _image(coat(position.reshape(-1, 3) / HEIGHT_MM).reshape(position.shape) * shade[..., None])
     return obj
 
 
@@ -112,30 +112,6 @@ def _baked(node: bpy.types.ShaderNodeTexImage, kind: str) -> Float32Array:
     node.image.pixels.foreach_get(pixels)
     bpy.data.images.remove(node.image)
     return pixels.reshape(IMAGE_SIZE, IMAGE_SIZE, 4)[..., :3]
-
-
-def _baked_occlusion(obj: bpy.types.Object, node: bpy.types.ShaderNodeTexImage) -> Float32Array:
-    """(H, W, 3) ambient occlusion, 1 in the open: baked for each vertex, which is quick, and from there to texels."""
-    scene = bpy.context.scene
-    scene.world = scene.world or bpy.data.worlds.new("World")
-    scene.world.light_settings.distance = AO_DISTANCE_MM
-    scene.cycles.samples = AO_SAMPLES
-    attribute = obj.data.color_attributes.new("Occlusion", "FLOAT_COLOR", "POINT")
-    obj.data.color_attributes.active_color = attribute
-    bpy.ops.object.bake(type="AO", target="VERTEX_COLORS")
-    tree = node.id_data
-    output = tree.get_output_node("ALL")
-    shader = output.inputs["Surface"].links[0].from_node
-    colour, emission = tree.nodes.new("ShaderNodeVertexColor"), tree.nodes.new("ShaderNodeEmission")
-    colour.layer_name = attribute.name
-    tree.links.new(colour.outputs["Color"], emission.inputs["Color"])
-    tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
-    shade = _baked(node, "EMIT")
-    tree.nodes.remove(colour)
-    tree.nodes.remove(emission)
-    tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
-    obj.data.color_attributes.remove(obj.data.color_attributes["Occlusion"])
-    return shade
 
 
 def _image(linear: Float32Array) -> bpy.types.Image:

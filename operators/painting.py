@@ -1,13 +1,22 @@
-"""Set Up Painting, and Grey from Colour Image."""
+"""Set Up Painting, Grey from Colour Image, and Bake Ambient Occlusion."""
 
 from __future__ import annotations
 
 import bpy
 
-from ..bridge.painting import grey_picture, picture_of, set_up_painting
+from ..bridge.ambient_occlusion import DISTANCE_MM, SAMPLES, darkened, occlusion_steps
+from ..bridge.painting import (
+    exchange_picture,
+    give_picture,
+    grey_picture,
+    picture_of,
+    picture_size,
+    set_up_painting,
+)
 from ..core.errors import PrintError
 from ..core.texture.decode import LUMINANCE
 from ..core.texture.grade import Grade
+from .job import JobOperator, Steps
 from .unwrap import has_mesh
 
 
@@ -88,4 +97,58 @@ class DUALCOLOR_OT_grey_from_color(bpy.types.Operator):
         return {"FINISHED"}
 
 
-OPERATORS = (DUALCOLOR_OT_set_up_painting, DUALCOLOR_OT_grey_from_color)
+class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
+    """Darken the hollows: multiply the picture by ambient occlusion, or make a picture of it; the old one is kept"""
+
+    bl_idname = "dualcolor.bake_occlusion"
+    bl_label = "Bake Ambient Occlusion"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    strength: bpy.props.FloatProperty(
+        name="Strength", default=1.0, min=0.0, max=1.0, subtype="FACTOR",
+        description="How much of the occlusion darkens the picture",
+    )  # fmt: skip
+    distance: bpy.props.FloatProperty(
+        name="Distance", default=DISTANCE_MM, min=0.1, max=1000.0, precision=1, unit="CAMERA",
+        description="Surfaces farther away than this darken nothing",
+    )  # fmt: skip
+    samples: bpy.props.IntProperty(
+        name="Samples",
+        default=SAMPLES,
+        min=1,
+        max=1024,
+        description="Rays for each vertex; more is smoother and slower",
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """A mesh with a UV map is needed."""
+        if not has_mesh(cls, context):
+            return False
+        if not context.object.data.uv_layers:
+            cls.poll_message_set("Unwrap the mesh first")
+            return False
+        return True
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """Bake, then exchange the picture; an object without one gets a white one first."""
+        obj = context.object
+        former = picture_of(obj)
+        texel = obj.dualcolor.layer_height / 2
+        size = tuple(former.size) if former else (picture_size(obj, texel),) * 2
+        job = occlusion_steps(obj, size, self.distance, self.samples)
+        while True:
+            try:
+                yield next(job), "baking ambient occlusion"
+            except StopIteration as finished:
+                shade = finished.value
+                break
+        image = former or give_picture(obj, texel, 1.0)
+        made = darkened(image, shade, self.strength)
+        exchange_picture(obj, image, made)
+        if not former:
+            bpy.data.images.remove(image)
+        return f"Printing {made.name}"
+
+
+OPERATORS = (DUALCOLOR_OT_set_up_painting, DUALCOLOR_OT_grey_from_color, DUALCOLOR_OT_bake_occlusion)

@@ -6,7 +6,11 @@ import bpy
 
 from ..bridge.curves import source_of
 from ..bridge.painting import picture_of
-from ..operators.painting import DUALCOLOR_OT_grey_from_color, DUALCOLOR_OT_set_up_painting
+from ..operators.painting import (
+    DUALCOLOR_OT_bake_occlusion,
+    DUALCOLOR_OT_grey_from_color,
+    DUALCOLOR_OT_set_up_painting,
+)
 from ..operators.unwrap import DUALCOLOR_OT_unwrap_smart, DUALCOLOR_OT_unwrap_xatlas, has_xatlas
 from .prepare import LEAVE_EDIT_MODE
 from .rows import draw_progress, draw_sentence, draw_settings
@@ -30,9 +34,13 @@ class DUALCOLOR_PT_paint(ObjectPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.operator(DUALCOLOR_OT_set_up_painting.bl_idname, icon="TPAINT_HLT")
         column.operator(DUALCOLOR_OT_grey_from_color.bl_idname, icon="IMAGE_DATA")
+        column.operator(DUALCOLOR_OT_bake_occlusion.bl_idname, icon="SHADING_RENDERED")
+        draw_progress(layout, DUALCOLOR_OT_bake_occlusion)
         for hint in hints(obj):
             draw_sentence(layout, context, hint, "INFO")
-        layout.template_ID(obj.dualcolor, "image", new="image.new", open="image.open", text="Image")
+        row = layout.split(factor=0.25)
+        row.label(text="Image")
+        row.template_ID(obj.dualcolor, "image", open="image.open")
         draw_settings(layout, obj, PAINT)
 
 

@@ -72,10 +72,9 @@ class DUALCOLOR_PT_presets(ObjectPanel, bpy.types.Panel):
             row = row.row(align=True)
             row.menu(f"DUALCOLOR_MT_{kind}_presets", text=" + ".join(labels) or "Custom")
             row.operator(DUALCOLOR_OT_save_preset.bl_idname, text="", icon="ADD").kind = kind
-            remove = row.row(align=True)
-            remove.enabled = bool(own)
-            button = remove.operator(DUALCOLOR_OT_remove_preset.bl_idname, text="", icon="REMOVE")
-            button.kind, button.name = kind, own[0] if own else ""
+            if own:
+                button = row.operator(DUALCOLOR_OT_remove_preset.bl_idname, text="", icon="REMOVE")
+                button.kind, button.name = kind, own[0]
 
 
 class DUALCOLOR_MT_settings(bpy.types.Menu):
