@@ -241,6 +241,11 @@ def on_loop(arc: FloatArray, loop: IntArray, arc_start: FloatArray) -> FloatArra
     return np.where(arc >= arc_start[loop + 1] - 1e-9, arc_start[loop], arc)
 
 
+def loop_of(lines: Contours, arc: FloatArray) -> IntArray:
+    """(Q,) the contour on which each place lies."""
+    return np.asarray(np.clip(np.searchsorted(lines.arc_start, arc, side="right") - 1, 0, len(lines.layer) - 1))
+
+
 def long_enough(length: FloatArray, settings: PrintSettings) -> BoolArray:
     """(M,) which lines hold the pattern: two samples at least."""
     return np.asarray(length >= 2 * settings.wavelength)

@@ -15,7 +15,7 @@ import numpy as np
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import following, preceding, ranges, starts
-from .contours import Contours, long_enough
+from .contours import Contours, long_enough, loop_of
 from .sampling import Projector
 
 # Every so many contour points are projected, and all between them where the surface is torn.
@@ -170,11 +170,6 @@ def _images(lines: Contours, projector: Projector, point: IntArray, usable: Bool
     found[found] = usable[loop_of(lines, arc[found])]
     above[asked[found]] = arc[found]
     return above
-
-
-def loop_of(lines: Contours, arc: FloatArray) -> IntArray:
-    """(Q,) the contour on which each place lies."""
-    return np.asarray(np.clip(np.searchsorted(lines.arc_start, arc, side="right") - 1, 0, len(lines.layer) - 1))
 
 
 def _steps(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, tear: float) -> FloatArray:

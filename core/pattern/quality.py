@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
-from .contours import Contours
+from .contours import Contours, loop_of
 from .sampling import Projector, Samples
 from .wave import places
 
 # Distance between the probes, mm; the paper's 133,539 probes on LucyCat lie about 0.25 mm apart.
 PROBE_SPACING = 0.25
 ERROR_FREE, SALIENT = 0.05, 0.5
+HISTOGRAM_EDGES = (0.0, 0.05, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class SeamErrors:
         """(Q,) probes with nothing above them within the projection threshold."""
         return np.isnan(self.error)
 
-    def shares(self, samples: int) -> dict[str, float]:
+    def shares(self, samples: int) -> dict[str, Any]:
         """The report's figures: shares of the probes that were not discarded, and the discarded share of all."""
         kept = self.error[~self.discarded]
         total = max(len(kept), 1)
@@ -44,12 +46,16 @@ class SeamErrors:
             "imperceptible": (len(kept) - error_free - salient) / total,
             "salient": salient / total,
             "discarded": float(self.discarded.mean()) if len(self.error) else 0.0,
+            "probes": len(self.error),
+            "discarded_probes": int(self.discarded.sum()),
+            "mean_error": float(kept.mean()) if len(kept) else 0.0,
+            "histogram": {"edges": list(HISTOGRAM_EDGES), "counts": np.histogram(kept, HISTOGRAM_EDGES)[0].tolist()},
         }
 
 
 def phase_at(lines: Contours, samples: Samples, arc: FloatArray) -> FloatArray:
     """(Q,) t = cos(2πu) at places on the contours, NaN on a contour without samples."""
-    loop = np.clip(np.searchsorted(lines.arc_start, arc, side="right") - 1, 0, len(lines.layer) - 1)
+    loop = loop_of(lines, arc)
     has = np.diff(samples.start)[loop] > 0
     first, last = samples.start[loop], samples.start[loop + 1] - 1
     before = np.searchsorted(samples.arc, arc, side="right") - 1

@@ -12,25 +12,37 @@ after it spacings are pushed back into their bounds. The best of all steps is ke
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import following, preceding
-from .contours import Contours
-from .phase_grid import PhaseGrid, loop_of
+from .contours import Contours, loop_of
+from .phase_grid import PhaseGrid
 from .sampling import Projector, Samples
 from .spacing import bounded, pushed
 
 STEPS = 24
 PUSHES = 4
 # Error from which a place counts as part of a seam, and how many samples around it may move.
-SEAM, AROUND = 0.15, 4
-HALF_SEEN = 0.5
+SEAM, AROUND = 0.15, 6
+HALF_SEEN = 0.8
 UNSEEN_COST = 0.1
 # Share of the Gauss-Newton step that is gone, its greatest length in wavelengths, and what damps it, 1/mm².
 RATE, LONGEST, DAMPING = 0.3, 0.04, 2.0
 VISIBLE = 0.5
+
+
+@dataclass(frozen=True)
+class _Located:
+    """Places among the samples: the sample before, the place in its turn, the share of the way to the next, the gap."""
+
+    before: IntArray
+    place: FloatArray
+    share: FloatArray
+    gap: FloatArray
 
 
 class _Waves:
@@ -44,22 +56,31 @@ class _Waves:
         self.ahead, self.behind = following(self.start), preceding(self.start)
         self.around = np.where(self.ahead <= np.arange(len(self.loop)), self.length[self.loop], 0.0)
 
-    def locate(self, place: FloatArray, loop: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
-        """The sample before places on contours, the share of the way to the next one, and the spacing there."""
-        gap = self.place[self.ahead] - self.place + self.around
+    def locate(self, place: FloatArray, loop: IntArray) -> _Located:
+        """Where places on contours lie among the samples."""
         key = self.place + self.apart * self.loop
         before = np.searchsorted(key, place + self.apart * loop, side="right") - 1
         wrapped = before < self.start[loop]
         before = np.where(wrapped, self.start[loop + 1] - 1, before)
-        along = place - self.place[before] + np.where(wrapped, self.length[loop], 0.0)
-        # A sample that has moved over its contour's beginning.
-        early, late = along < 0, along >= gap[before]
-        before, along = (
-            np.where(early, self.behind[before], np.where(late, self.ahead[before], before)),
-            along - np.where(late, gap[before], 0.0),
-        )
-        along = along + np.where(early, gap[before], 0.0)
-        return before, np.clip(along / gap[before], 0.0, 1.0), gap[before]
+        turned = place + np.where(wrapped, self.length[loop], 0.0)
+        return self.followed(_Located(before, turned, turned, turned))
+
+    def followed(self, last: _Located) -> _Located:
+        """The same places after samples have moved, by less than a spacing."""
+        gap = self.place[self.ahead] - self.place + self.around
+        before, place = last.before, last.place
+        along, here = place - self.place[before], gap[before]
+        astray = np.flatnonzero((along < 0) | (along >= here))
+        if len(astray):
+            early = along[astray] < 0
+            old = before[astray]
+            new = np.where(early, self.behind[old], self.ahead[old])
+            # Over the contour's beginning the place is one turn farther or nearer.
+            turn = np.where(early, self.around[new], -self.around[old])
+            before, place = before.copy(), place.copy()
+            before[astray], place[astray] = new, place[astray] + turn
+            along, here = place - self.place[before], gap[before]
+        return _Located(before, place, np.clip(along / here, 0.0, 1.0), here)
 
 
 def polished(
@@ -84,11 +105,12 @@ def polished(
     near, point = _near_seams(lines, grid, waves)
     if not len(point):
         return samples
-    lower, upper, importance = _pairs(lines, projector, waves, point, weight)
     # Only where everything that a sample shapes is among the pairs.
     free = near & near[waves.behind]
+    lower, upper, importance = _pairs(lines, projector, waves, point, free, weight)
     best, best_place = np.inf, waves.place
     for step in range(STEPS + 1):
+        lower, upper = waves.followed(lower), waves.followed(upper)
         move, seen = _descent(waves, lower, upper, importance)
         if seen < best:
             best, best_place = seen, waves.place
@@ -99,23 +121,20 @@ def polished(
     return Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + best_place, waves.loop, settings))
 
 
-Places = tuple[FloatArray, IntArray]
-
-
 def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves) -> tuple[BoolArray, IntArray]:
     """Which samples are near a seam, and the contour points whose waves or images' waves they shape."""
     node = np.flatnonzero(grid.linked)
     up = loop_of(lines, grid.above[node])
-    this, share, _ = waves.locate(grid.arc[node] - lines.arc_start[grid.loop[node]], grid.loop[node])
-    that, high_share, _ = waves.locate(grid.above[node] - lines.arc_start[up], up)
-    error = (np.cos(2 * np.pi * share) - np.cos(2 * np.pi * high_share)) ** 2
+    low = waves.locate(grid.arc[node] - lines.arc_start[grid.loop[node]], grid.loop[node])
+    high = waves.locate(grid.above[node] - lines.arc_start[up], up)
+    seam = (np.cos(2 * np.pi * low.share) - np.cos(2 * np.pi * high.share)) ** 2 > SEAM
     near = np.zeros(len(waves.place), dtype=bool)
-    near[this[error > SEAM]] = True
-    near[that[error > SEAM]] = True
+    near[low.before[seam]] = True
+    near[high.before[seam]] = True
     for _ in range(AROUND):
         near |= near[waves.ahead] | near[waves.behind]
     wanted = np.zeros(len(grid.arc), dtype=bool)
-    wanted[node] = near[this] | near[that]
+    wanted[node] = near[low.before] | near[high.before]
     wanted |= wanted[grid.behind] | wanted[grid.ahead]
     before = np.searchsorted(grid.arc, lines.arc, side="right") - 1
     loop = lines.loop
@@ -124,9 +143,9 @@ def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves) -> tuple[BoolAr
 
 
 def _pairs(
-    lines: Contours, projector: Projector, waves: _Waves, point: IntArray, weight: FloatArray
-) -> tuple[Places, Places, FloatArray]:
-    """Contour points and their images: places and contours of both, and how much each counts."""
+    lines: Contours, projector: Projector, waves: _Waves, point: IntArray, free: BoolArray, weight: FloatArray
+) -> tuple[_Located, _Located, FloatArray]:
+    """Contour points and their images among the samples, and how much each counts; those that a free sample shapes."""
     layer = lines.layer[lines.loop[point]]
     point = point[layer < lines.layer.max(initial=0)]
     arc, distance = projector.project(lines.points[point], lines.layer[lines.loop[point]] + 1)
@@ -134,26 +153,32 @@ def _pairs(
     found = np.isfinite(distance) & (np.diff(waves.start)[up] > 0)
     point, arc, up = point[found], arc[found], up[found]
     own = lines.loop[point]
-    return (lines.arc[point] - lines.arc_start[own], own), (arc - lines.arc_start[up], up), weight[point]
+    low = waves.locate(lines.arc[point] - lines.arc_start[own], own)
+    high = waves.locate(arc - lines.arc_start[up], up)
+    shaped = free | free[waves.ahead]
+    some = np.flatnonzero(shaped[low.before] | shaped[high.before])
+    return (
+        _Located(low.before[some], low.place[some], low.share[some], low.gap[some]),
+        _Located(high.before[some], high.place[some], high.share[some], high.gap[some]),
+        weight[point[some]],
+    )
 
 
-def _descent(waves: _Waves, lower: Places, upper: Places, importance: FloatArray) -> tuple[FloatArray, float]:
+def _descent(waves: _Waves, low: _Located, high: _Located, importance: FloatArray) -> tuple[FloatArray, float]:
     """How far each sample should move, mm, and how much is seen now."""
     size = len(waves.place)
-    this, share, gap = waves.locate(*lower)
-    that, high_share, high_gap = waves.locate(*upper)
-    difference = np.cos(2 * np.pi * share) - np.cos(2 * np.pi * high_share)
+    turn, high_turn = 2 * np.pi * low.share, 2 * np.pi * high.share
+    difference = np.cos(turn) - np.cos(high_turn)
     error = difference**2
     seen = float(importance[error >= VISIBLE].sum())
-    slope = importance * (2 * error * HALF_SEEN**2 / (error**2 + HALF_SEEN**2) ** 2 + UNSEEN_COST)
+    slope = 2 * importance * (2 * HALF_SEEN**2 * error / (error**2 + HALF_SEEN**2) ** 2 + UNSEEN_COST)
     pull, stiffness = np.zeros(size), np.zeros(size)
-    rise, high_rise = -2 * np.pi * np.sin(2 * np.pi * share), 2 * np.pi * np.sin(2 * np.pi * high_share)
-    for sample, by_place in (
-        (this, -rise * (1 - share) / gap),
-        (waves.ahead[this], -rise * share / gap),
-        (that, -high_rise * (1 - high_share) / high_gap),
-        (waves.ahead[that], -high_rise * high_share / high_gap),
-    ):
-        pull += np.bincount(sample, 2 * slope * difference * by_place, size)
-        stiffness += np.bincount(sample, 2 * slope * by_place**2, size)
+    for place, rise in ((low, 2 * np.pi * np.sin(turn) / low.gap), (high, -2 * np.pi * np.sin(high_turn) / high.gap)):
+        for sample, by_place in (
+            (place.before, rise * (1 - place.share)),
+            (waves.ahead[place.before], rise * place.share),
+        ):
+            weighted = slope * by_place
+            pull += np.bincount(sample, weighted * difference, size)
+            stiffness += np.bincount(sample, weighted * by_place, size)
     return -RATE * pull / (stiffness + DAMPING), seen

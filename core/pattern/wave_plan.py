@@ -26,8 +26,8 @@ import numpy as np
 
 from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
-from .contours import Contours
-from .phase_grid import PhaseGrid, loop_of, on_grid
+from .contours import Contours, loop_of
+from .phase_grid import PhaseGrid, on_grid
 
 # Steps on the grid of every so many layers, on which most of the way is gone, and on that of all layers.
 SPAN, SPAN_STRIDE, SPAN_STEPS = 4, 6, 600

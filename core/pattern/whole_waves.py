@@ -23,7 +23,7 @@ from .wave_plan import WavePlan
 # Waves by which the phase may stray from the plan before a wave is added or dropped, and where the stretch ends.
 STRAY, STRETCH = 1.0, 0.5
 # The phase's difference from the plan is smoothed so often in each layer, and may be mended so often.
-SMOOTHINGS = 8
+SMOOTHINGS = 4
 MENDINGS = 3
 
 
