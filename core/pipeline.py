@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .analysis.slopes import face_contrast, slope_report, slope_warnings
 from .breakdown import filament_report, single_color_seconds, time_report
 from .calibration.calibrate import calibrated
 from .checks import check
@@ -118,12 +119,13 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         lines = contours(cut.outlines, cut.loop_polygon, settings)
         yield stage(0.3, "sampling")
         projector = Projector(lines, settings.projection_threshold)
-        samples = _samples(lines, projector, settings)
+        samples = pattern_samples(lines, projector, settings)
         yield stage(0.4, "texture")
         pyramids = painting.result()
         fit = beside.submit(clock.timed, "seam errors", seam_errors, lines, samples, projector)
+        paint = beside.submit(clock.timed, "slopes", face_contrast, mesh, pyramids, settings)
         yield stage(0.45, "tone")
-        tone = _tone(lines, pyramids, settings)
+        tone = pattern_tone(lines, pyramids, settings)
         del painting, pyramids  # as large as the moves that are to come
         yield stage(0.5, "modulation")
         slant = average_along_wall(slant_along(lines, mesh), lines, settings.wavelength)
@@ -145,6 +147,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         )
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
+        slopes = slope_report(mesh, paint.result())
         single_color = alone.result()
     warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples, settings)
     report = _report(model, mesh, cut, moves, settings)
@@ -152,12 +155,13 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     warnings += thin_warnings(thin, settings)
     seconds = move_seconds(moves, settings.printer_profile)
     warnings += skirt_warnings(moves, settings)
+    warnings += slope_warnings(slopes)
     warnings += standby_warnings(moves, seconds, settings)
     warnings += notes
     report |= {"time_s": time_report(moves, settings, single_color, seconds)}
     report |= {"filament": filament_report(moves, settings)}
     clock.stop()
-    report |= {"pattern": pattern, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
+    report |= {"pattern": pattern, "slopes": slopes, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
     report |= {"beside_s": clock.beside}
     report |= {"peak_rss_mb": peak_rss_mb(), "thin_features": thin, "warnings": warnings}
     return DualColorPrint(
@@ -165,7 +169,8 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     )
 
 
-def _samples(lines: Contours, projector: Projector, settings: PrintSettings) -> Samples:
+def pattern_samples(lines: Contours, projector: Projector, settings: PrintSettings) -> Samples:
+    """Where the waves sit, by the scheme that is set; nowhere for `offset`."""
     if settings.pattern == "offset":
         return Samples(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(len(lines.layer) + 1, dtype=np.int64))
     if settings.sampling == "paper":
@@ -173,7 +178,8 @@ def _samples(lines: Contours, projector: Projector, settings: PrintSettings) -> 
     return optimized_samples(lines, projector, settings)
 
 
-def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -> FloatArray:
+def pattern_tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -> FloatArray:
+    """(N,) tone at every contour point, no finer than the pattern can show."""
     tone = tone_at(pyramids, lines.face, lines.carried[:, :2], lines.carried[:, 2], settings.background_tone)
     if settings.pattern == "offset" or settings.texture_filter == "lanczos":
         return tone

@@ -193,7 +193,8 @@ def test_report_is_json_and_complete(vase, tmp_path):
         assert key in text
     assert {"total", "tool_change", "tower", "features", "heating", "single_color", "ratio"} <= set(text["time_s"])
     assert {"tool0_mm", "tool1_mm", "tool0_g", "tool1_g", "cost"} <= set(text["filament"])
-    assert set(text["pattern"]) == {"samples", "error_free", "imperceptible", "salient", "discarded"}
+    assert {"samples", "error_free", "imperceptible", "salient", "discarded", "histogram"} <= set(text["pattern"])
+    assert {"painted_contrast", "contrast_degraded", "contrast_gone"} <= set(text["slopes"])
     assert text["gcode"]["bytes"] == (tmp_path / "vase.gcode").stat().st_size
     assert text["bounds_mm"][0][2] == 0.0
     assert text["total_s"] == pytest.approx(sum(text["stages_s"].values()))

@@ -1,0 +1,98 @@
+"""The figures of an analysis: heatmap of the seams, tracelines, slopes (paper, Figures 4 e and 10)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import PrintError
+from ..model import FloatArray
+from ..viewing import Picture
+from .overlay import (
+    BIRTH_COLOUR,
+    DEATH_COLOUR,
+    DEGRADED_COLOUR,
+    DISCARDED_COLOUR,
+    FADED_COLOUR,
+    GONE_COLOUR,
+    HEAT_COLOURS,
+    HEAT_STOPS,
+    SHORT_COLOUR,
+    TRACE_COLOUR,
+    Rgb,
+    faded_curves,
+    heat_colours,
+    heat_curves,
+    loop_curves,
+    sample_points,
+    trace_curves,
+)
+from .picture import Stroke, dots, draw
+from .slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
+from .study import NO_SEAMS, Analysis
+
+_CLAY: Rgb = (0.86, 0.85, 0.83)
+
+
+def heatmap(found: Analysis, view: tuple[float, float], pixels: int = 900) -> Picture:
+    """Seams on the object: transparent, then green from 0.05, orange 1.5, red 3.0, purple 4.0.
+
+    Places that were not compared, because nothing lies above them, are blue; those without room for the wave pink.
+
+    Raises:
+        PrintError: the pattern has no waves.
+    """
+    if found.errors is None:
+        raise PrintError(NO_SEAMS)
+    seams, discarded = heat_curves(found.lines, found.layers.plane, found.errors)
+    strokes = [Stroke(discarded, DISCARDED_COLOUR, 0.5), *_guards(found)]
+    strokes += [Stroke(one, heat_colours(one.value), 1.0 + 0.25 * number) for number, one in enumerate(seams)]
+    legend = [(colour, f"{stop:g}") for colour, stop in zip(HEAT_COLOURS, HEAT_STOPS, strict=True)]
+    legend += [(DISCARDED_COLOUR, f"not compared {found.errors.discarded.mean():.1%}")]
+    legend += [(FADED_COLOUR, "wave faded"), (SHORT_COLOUR, "outline too short")]
+    return draw(found.mesh, strokes, view, pixels, legend=legend)
+
+
+def traceline_picture(found: Analysis, view: tuple[float, float], pixels: int = 900) -> Picture:
+    """Tracelines on the object; births and deaths as dots.
+
+    Raises:
+        PrintError: the pattern has no waves.
+    """
+    if found.traced is None:
+        raise PrintError(NO_SEAMS)
+    lines, plane, samples, traced = found.lines, found.layers.plane, found.samples, found.traced
+    strokes = [
+        Stroke(trace_curves(lines, plane, samples, traced), TRACE_COLOUR, 0.5),
+        Stroke(dots(sample_points(lines, plane, samples, traced.birth)), BIRTH_COLOUR, 3.0),
+        Stroke(dots(sample_points(lines, plane, samples, traced.death)), DEATH_COLOUR, 3.0),
+    ]
+    legend = [
+        (TRACE_COLOUR, f"{len(traced.start) - 1:,} tracelines"),
+        (BIRTH_COLOUR, f"{traced.birth.sum():,} births"),
+        (DEATH_COLOUR, f"{traced.death.sum():,} deaths"),
+    ]
+    return draw(found.mesh, strokes, view, pixels, legend=legend)
+
+
+def slope_picture(found: Analysis, view: tuple[float, float], pixels: int = 900) -> Picture:
+    """Faces that are too flat for tones."""
+    slopes = found.report["slopes"]
+    legend = [
+        (DEGRADED_COLOUR, f"below {DEGRADED_DEG:.0f}°: {slopes['contrast_degraded']:.1%} of the painted contrast"),
+        (GONE_COLOUR, f"below {GONE_DEG:.0f}°: {slopes['contrast_gone']:.1%}"),
+    ]
+    return draw(found.mesh, [], view, pixels, slope_colours(found), legend)
+
+
+def slope_colours(found: Analysis) -> FloatArray:
+    """(F, 3) sRGB of the faces."""
+    angle = from_flat_deg(found.mesh)[:, None]
+    return np.where(angle < GONE_DEG, GONE_COLOUR, np.where(angle < DEGRADED_DEG, DEGRADED_COLOUR, _CLAY))
+
+
+def _guards(found: Analysis) -> list[Stroke]:
+    plane = found.layers.plane
+    return [
+        Stroke(faded_curves(found.lines, plane, found.faded), FADED_COLOUR, 0.5),
+        Stroke(loop_curves(found.lines, plane, found.too_short), SHORT_COLOUR, 0.75),
+    ]

@@ -1,0 +1,160 @@
+"""The analysis of a model: the job's stages up to the pattern, then all that can be said about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..calibration.calibrate import calibrated
+from ..mesh import triangulate
+from ..model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
+from ..pattern.contours import Contours, contours
+from ..pattern.modulation import layer_is_black, shape, supported
+from ..pattern.quality import SeamErrors, seam_errors
+from ..pattern.sampling import Projector, Samples
+from ..pattern.slant import slant_along
+from ..pattern.wave import average_along_wall, modulated
+from ..pipeline import Progress, pattern_samples, pattern_tone
+from ..settings import PrintSettings
+from ..slicing.planes import Layers
+from ..slicing.slices import slices
+from ..texture.pyramid import build_pyramids
+from .orientation import Orientation, suggested
+from .slopes import FaceContrast, face_contrast, slope_report, slope_warnings
+from .tracelines import Tracelines, tracelines
+
+NO_SEAMS = "The pattern `offset` has no waves, so there are no seams to analyse: choose wave or wave_offset"
+_LEAST_SWING_MM = 0.05
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What was found.
+
+    Attributes:
+        settings: as used.
+        mesh: as sliced, on the bed.
+        layers: of the print.
+        lines: N contour points.
+        samples: of the pattern; none for `offset`.
+        errors: of the seams, None for `offset`.
+        traced: tracelines, None for `offset`.
+        faded: (N,) share of wave and set-back that was lost for want of room.
+        too_short: (M,) bool, contours that are too short for the pattern.
+        paint: on the faces.
+        orientations: the best one first.
+        report: JSON-ready.
+        warnings: one sentence each.
+    """
+
+    settings: PrintSettings
+    mesh: TriangleMesh
+    layers: Layers
+    lines: Contours
+    samples: Samples
+    errors: SeamErrors | None
+    traced: Tracelines | None
+    faded: FloatArray
+    too_short: BoolArray
+    paint: FaceContrast
+    orientations: list[Orientation]
+    report: dict[str, Any]
+    warnings: list[str]
+
+
+def analyse(
+    model: SurfaceModel, settings: PrintSettings, on_progress: Callable[[float, str], None] | None = None
+) -> Analysis:
+    """Analyse a model; `on_progress` is told the share done and what comes next.
+
+    Raises:
+        PrintError: the input cannot be printed.
+    """
+    job = analysis_steps(model, settings)
+    while True:
+        try:
+            done, stage = next(job)
+        except StopIteration as finished:
+            result: Analysis = finished.value
+            return result
+        if on_progress:
+            on_progress(done, stage)
+
+
+def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, None, Analysis]:
+    """The analysis as a generator: yields (share done, what comes next), returns what was found.
+
+    Raises:
+        PrintError: the input cannot be printed.
+    """
+    yield 0.0, "mesh"
+    mesh = triangulate(model, settings)
+    pyramids = build_pyramids(mesh, model.textures, 2 * settings.layer_height, settings.texture_filter)
+    yield 0.1, "slopes"
+    paint = face_contrast(mesh, pyramids, settings)
+    yield 0.2, "orientations"
+    orientations = suggested(mesh, paint, settings)
+    yield 0.3, "slicing"
+    cut = slices(mesh, settings)
+    yield 0.4, "contours"
+    lines = contours(cut.outlines, cut.loop_polygon, settings)
+    projector = Projector(lines, settings.projection_threshold)
+    yield 0.5, "sampling"
+    samples = pattern_samples(lines, projector, settings)
+    yield 0.8, "seam errors"
+    waves = settings.pattern != "offset"
+    errors = seam_errors(lines, samples, projector) if waves else None
+    traced = tracelines(lines, samples, projector, settings.wavelength) if waves else None
+    too_short = (np.diff(samples.start) == 0) & waves
+    yield 0.9, "room"
+    slant = average_along_wall(slant_along(lines, mesh), lines, settings.wavelength)
+    tone, _ = calibrated(pattern_tone(lines, pyramids, settings), slant, settings)
+    faded = faded_share(lines, tone, slant, settings)
+    slopes = slope_report(mesh, paint)
+    report: dict[str, Any] = {
+        "name": model.name,
+        "layers": len(cut.layers),
+        "bounds_mm": mesh.bounds.tolist(),
+        "settings": settings.as_dict(),
+        "pattern": errors.shares(len(samples.arc)) if errors else None,
+        "tracelines": traced.report() if traced else None,
+        "faded": _faded_report(lines, faded),
+        "too_short": {"outlines": int(too_short.sum()), "of": len(lines.layer)},
+        "slopes": slopes,
+        "orientations": [one.as_dict() for one in orientations],
+    }
+    warnings = ([] if waves else [NO_SEAMS]) + slope_warnings(slopes)
+    report["warnings"] = warnings
+    return Analysis(
+        settings, mesh, cut.layers, lines, samples, errors, traced, faded, too_short, paint, orientations, report,
+        warnings,
+    )  # fmt: skip
+
+
+def faded_share(lines: Contours, tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings) -> FloatArray:
+    """(N,) how much of wave and set-back the guard against overlaps takes away, 0 to 1.
+
+    Args:
+        lines: N contour points.
+        tone: (N,).
+        slant_deg: (N,) of the surface.
+        settings: those of the pattern are used.
+    """
+    layer = lines.layer[lines.loop]
+    wanted, back = supported(*shape(tone, layer_is_black(layer), settings), slant_deg, settings)
+    depth, set_back = modulated(lines, tone, slant_deg, settings)
+    swing = np.where(layer < settings.flat_layers, 0.0, wanted) + back
+    lost = 1.0 - (depth + set_back) / np.maximum(swing, _LEAST_SWING_MM)
+    return np.where(swing > _LEAST_SWING_MM, np.clip(lost, 0.0, 1.0), 0.0)
+
+
+def _faded_report(lines: Contours, faded: FloatArray) -> dict[str, float]:
+    step = np.diff(np.append(lines.arc, lines.arc_start[-1]))
+    total = max(float(step.sum()), 1e-12)
+    return {
+        "share": float(step[faded > 0.05].sum()) / total,
+        "half_lost": float(step[faded > 0.5].sum()) / total,
+    }
