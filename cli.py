@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from .commands import audit, build_table, demo, measure, plate, render
+from .commands import analyse, audit, build_table, demo, measure, plate, render
 from .commands import print as print_command
 from .commands.terminal import file_size
 from .core.errors import PrintError
-from .core.outputs import OutputFiles
+from .core.outputs import OutputFiles, ended_by_signals
 
 PROGRAM = "dualcolor"
 DONE, USER_ERROR, INTERRUPTED = 0, 1, 130
@@ -52,13 +52,15 @@ def main(argv: Sequence[str]) -> int:
     command = args.command
     try:
         paths = command.outputs(args)
-        with OutputFiles(paths.values()) as files:
+        with ended_by_signals(), OutputFiles(paths.values()) as files:
             message = command.run(args, paths, files)
     except PrintError as problem:
         print("error:", " ".join(str(problem).split()), file=sys.stderr)
         return USER_ERROR
     except KeyboardInterrupt:
         return INTERRUPTED
+    except SystemExit as ended:  # by a signal; files are tidied
+        return int(ended.code or USER_ERROR)
     written = [f"wrote {path} ({file_size(path.stat().st_size)})" for path in paths.values()]
     print("\n".join([*message, *written]))
     return DONE

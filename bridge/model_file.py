@@ -22,6 +22,9 @@ SCALE_KEY = "dualcolor_scale"
 """Property of an object: what it was multiplied by to get its height, for what belongs to it."""
 
 
+_STL_HEAD_BYTES = 84  # of a binary file; a facet in text needs more too
+
+
 def open_model(path: Path, object_name: str = "", up: str = "", height_mm: float | None = None) -> bpy.types.Object:
     """One object: see `open_models`."""
     return open_models([path], [object_name] if object_name else [], up, height_mm)[0]
@@ -64,7 +67,7 @@ def check_file(path: Path, alone: bool) -> None:
 
     Raises:
         PrintError: no such file, or an unknown kind.
-        MeshError: it is empty.
+        MeshError: it is empty or holds nothing.
     """
     kind = path.suffix.lower()
     if kind not in UP_AXIS:
@@ -73,6 +76,8 @@ def check_file(path: Path, alone: bool) -> None:
         raise PrintError(f"there is no file {path}")
     if not path.stat().st_size:
         raise MeshError(f"{path} is empty")
+    if kind == ".stl" and path.stat().st_size <= _STL_HEAD_BYTES:
+        raise MeshError(f"{path} holds no triangles", "export it again")
     if kind == ".blend" and not alone:
         raise PrintError(f"{path} cannot be opened beside other files", "print several of its objects with --object")
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import bpy
 
+from ..core.errors import MeshError
 from ..core.model import SupportMark, SurfaceModel
 from ..core.plate import plate
 from ..core.settings import PrintSettings
@@ -30,6 +31,20 @@ def objects_to_print(context: bpy.types.Context) -> list[bpy.types.Object]:
     others = {obj.name: obj for obj in selected if obj.type == "MESH" and not obj.get(STRANDS_KEY) and obj != active}
     markers = {name for obj in (active, *others.values()) for name in volume_objects(obj)}
     return [active, *(others[name] for name in sorted(others) if name not in markers)]
+
+
+def check_present(objects: Sequence[bpy.types.Object]) -> None:
+    """See whether objects that a long job has read are still there.
+
+    Raises:
+        MeshError: there are none, or one of them is gone.
+    """
+    try:
+        names = [obj.name for obj in objects]
+    except ReferenceError:  # how Blender tells that what a name stood for is gone
+        names = []
+    if not names:
+        raise MeshError("the object was deleted while it was worked on", "undo that, or choose another object")
 
 
 def plate_model(

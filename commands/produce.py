@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..core.files import write_file
 from ..core.outputs import OutputFiles
 from ..core.presets import settings_json
 from ..core.settings import PrintSettings
@@ -109,8 +110,7 @@ def save_strands(
     settings: PrintSettings,
 ) -> None:
     """Save the scene with its strands, their mesh and their pictures, as far as asked for."""
-    import bpy
-
+    from ..bridge.blend_file import save_blend
     from ..bridge.rods import rods_of
     from ..bridge.views import take_pictures
     from ..core.mesh_files import write_mesh
@@ -119,7 +119,7 @@ def save_strands(
         progress.show(1.0, "writing the mesh")
         write_mesh(files.staged(paths["mesh"]), rods_of(strands))
     if "blend" in paths:
-        bpy.ops.wm.save_as_mainfile(filepath=str(files.staged(paths["blend"]).resolve()), copy=True, compress=True)
+        save_blend(files.staged(paths["blend"]))
     views = {kind.removeprefix(PREFIX): files.staged(path) for kind, path in paths.items() if kind.startswith(PREFIX)}
     sheet = files.staged(paths["contact_sheet"]) if "contact_sheet" in paths else None
     if views or sheet:
@@ -142,8 +142,8 @@ def _write(
     if "dump" in paths:
         exports.dump(result, files.staged(paths["dump"]))
     if "save_settings" in paths:
-        files.staged(paths["save_settings"]).write_text(settings_json(result.settings), encoding="utf-8")
+        write_file(files.staged(paths["save_settings"]), settings_json(result.settings).encode())
     if "report" in paths:
         text = json.dumps(result.report, indent=2, allow_nan=False) + "\n"
-        files.staged(paths["report"]).write_text(text, encoding="utf-8")
+        write_file(files.staged(paths["report"]), text.encode())
     return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -60,10 +61,14 @@ def dump(result: DualColorPrint, path: Path) -> None:
     Arrays: layer_z (L,) of the object's layers, above the raft if there is one, loop_layer (M,), loop_start (M + 1,),
     and for each of N outline points base_xy, wave_xy, phase (t before the layer's sign), depth (mm, peak to peak),
     tone, uv.
+
+    Raises:
+        OutputError: the file cannot be written.
     """
     lines = result.outlines
+    content = BytesIO()
     np.savez_compressed(
-        path,
+        content,
         layer_z=raised(result.slices.layers, result.settings).top[result.settings.raft_layers :],
         loop_layer=lines.layer,
         loop_start=lines.start,
@@ -74,3 +79,4 @@ def dump(result: DualColorPrint, path: Path) -> None:
         tone=lines.tone,
         uv=lines.uv,
     )
+    write_file(path, content.getvalue())

@@ -17,6 +17,7 @@ _REASONS = {
     errno.EROFS: "there is no permission to write there",
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "the disk is full",
+    errno.EFBIG: "the disk takes no file of this size",
     errno.ENAMETOOLONG: "its name is too long",
 }
 
@@ -42,8 +43,12 @@ def write_file(path: str | os.PathLike[str], data: bytes) -> None:
             raise PermissionError(errno.EACCES, "is read-only")
         _write_beside_and_rename(target, data)
     except OSError as error:
-        reason = _REASONS.get(error.errno or 0, error.strerror or str(error))
-        raise OutputError(f"{os.fspath(path)} cannot be written, {reason}", "choose another path") from error
+        raise OutputError(f"{os.fspath(path)} cannot be written, {reason(error)}", "choose another path") from error
+
+
+def reason(error: OSError) -> str:
+    """Why a file cannot be written, in a few words."""
+    return _REASONS.get(error.errno or 0, error.strerror or str(error))
 
 
 def _write_beside_and_rename(target: Path, data: bytes) -> None:

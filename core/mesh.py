@@ -14,6 +14,16 @@ WELD_SHARE = 3e-7
 
 _FAR_AWAY_MM = 1e7  # beyond this, neighbouring vertices could no longer be told apart
 _REACH_TOLERANCE_MM = 1e-3
+_USUAL_MM = 5.0  # an object is rarely shorter than this
+_UNITS = {
+    "inches": 25.4,
+    "centimetres": 10.0,
+    "metres": 1e3,
+    "kilometres": 1e6,
+    "micrometres": 1e-3,
+    "nanometres": 1e-6,
+}
+"""Units that files are written in by mistake, and mm per unit, the likeliest first."""
 _UV_LIMIT = 1e6  # beyond this, float32 no longer tells the texels apart
 
 
@@ -116,16 +126,36 @@ def check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None
     room = " × ".join(_length(side) for side in most - least)
     if (size > most - least + _REACH_TOLERANCE_MM).any():
         turned = (size[[1, 0, 2]] <= most - least).all()
-        hint = "turn it by 90° about the vertical axis" if turned else "check its scale and unit"
+        hint = "turn it by 90° about the vertical axis" if turned else _unit_hint(size, most - least)
         raise MeshError(f"{name} is {sizes}, larger than the {room} mm that can be printed", hint)
     if size.max() < 1.0:
-        raise MeshError(f"{name} is only {sizes}", "check its scale and unit: sizes are taken as millimetres")
+        raise MeshError(f"{name} is only {sizes}", _unit_hint(size, most - least))
     if size[2] <= settings.first_layer_height / 2:
         raise MeshError(f"{name} is {_length(size[2])} mm high, less than half a layer", "give it some thickness")
     if low[2] < -_REACH_TOLERANCE_MM:
         raise MeshError(f"{name} reaches {_length(-low[2])} mm below the bed", "raise it or turn on center_on_bed")
     if (low < least - _REACH_TOLERANCE_MM).any() or (high > most + _REACH_TOLERANCE_MM).any():
         raise MeshError(f"{name} lies beyond the {room} mm that can be printed", "move it or turn on center_on_bed")
+
+
+def size_warnings(mesh: TriangleMesh, name: str, settings: PrintSettings) -> list[str]:
+    """A finding about an object that is printed although its unit was hardly meant."""
+    size = mesh.bounds[1] - mesh.bounds[0]
+    if size.max() >= _USUAL_MM:
+        return []
+    printer = settings.printer_profile
+    hint = _unit_hint(size, np.subtract(printer.reach_max, printer.reach_min))
+    return [f"{name} is only {_length(float(size.max()))} mm long; {hint}"]
+
+
+def _unit_hint(size: FloatArray, room: FloatArray) -> str:
+    """What to do about a size (3,) in mm that cannot be meant: the units in which it would be a usual one."""
+    fitting = [
+        f"{unit} it would be {_length(float(size.max()) * factor)} mm long, so scale it by {factor:g}"
+        for unit, factor in _UNITS.items()
+        if size.max() * factor >= _USUAL_MM and (size * factor <= room).all()
+    ]
+    return f"check its scale and unit: in {fitting[0]}" if fitting else "check its scale and unit"
 
 
 def _length(millimetres: float) -> str:

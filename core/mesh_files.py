@@ -9,6 +9,7 @@ from typing import BinaryIO
 import numpy as np
 
 from .errors import OutputError, PrintError
+from .files import reason
 from .gcode.numbers import WordArray, filament_words, word
 from .model import IntArray
 from .tubes import SIDES, Rods, Tubes, count, tubes
@@ -41,7 +42,7 @@ def write_mesh(path: Path, rods: Rods) -> int:
         with path.open("wb") as file:
             writers[path.suffix.lower()](file, rods)
     except OSError as problem:
-        raise OutputError(f"{path} cannot be written", problem.strerror or "choose another path") from None
+        raise OutputError(f"{path} cannot be written", reason(problem)) from None
     return count(rods)[1]
 
 

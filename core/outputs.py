@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
 import tempfile
-from collections.abc import Iterable
+import threading
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from types import TracebackType
+from types import FrameType, TracebackType
 
 from .errors import OutputError
+from .files import reason
 
 
 class OutputFiles:
@@ -18,7 +22,8 @@ class OutputFiles:
     removes them and touches nothing that was there.
 
     Raises:
-        OutputError: two outputs have the same path, or a folder is missing or cannot be written to.
+        OutputError: two outputs have the same path, a folder is missing or cannot be written to, or writing a staged
+            file has failed.
     """
 
     def __init__(self, paths: Iterable[Path]) -> None:
@@ -47,9 +52,40 @@ class OutputFiles:
             if kind is None:
                 for target, part in self._staged.items():
                     _put(part, target)
+            elif isinstance(problem, (OSError, OutputError)):
+                self._raise_failed(problem)
         finally:
             for part in self._staged.values():
-                part.unlink(missing_ok=True)
+                for left in (part, part.with_name(part.name + "@")):  # Blender's own temporary name
+                    left.unlink(missing_ok=True)
+
+    def _raise_failed(self, problem: OSError | OutputError) -> None:
+        """Say which output could not be written, by its own name."""
+        text = (
+            problem.message if isinstance(problem, OutputError) else f"{problem.filename or 'a file'} cannot be written"
+        )
+        for target, part in self._staged.items():
+            text = text.replace(str(part), str(target))
+        hint = problem.hint if isinstance(problem, OutputError) else reason(problem)
+        raise OutputError(text, hint) from problem
+
+
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
+    """Within the block a request to end (SIGTERM, SIGHUP) unwinds the stack as Ctrl+C does: files are tidied."""
+    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    if threading.current_thread() is not threading.main_thread():
+        names = []  # only there can handlers be set
+    former = {name: signal.signal(getattr(signal, name), _unwind) for name in names}
+    try:
+        yield
+    finally:
+        for name, handler in former.items():
+            signal.signal(getattr(signal, name), handler)
+
+
+def _unwind(number: int, _frame: FrameType | None) -> None:
+    raise SystemExit(128 + number)
 
 
 def _is_device(path: Path) -> bool:
@@ -64,7 +100,7 @@ def _put(part: Path, target: Path) -> None:
         else:
             os.replace(part, target)
     except OSError as failed:
-        raise OutputError(f"{target} cannot be written", failed.strerror or "choose another path") from None
+        raise OutputError(f"{target} cannot be written", reason(failed)) from None
 
 
 def _check_writable(path: Path) -> None:
@@ -80,4 +116,4 @@ def _check_writable(path: Path) -> None:
         with tempfile.TemporaryFile(dir=Path(os.path.realpath(path)).parent):
             pass
     except OSError as failed:
-        raise OutputError(f"{path} cannot be written", failed.strerror or "its folder is not writable") from None
+        raise OutputError(f"{path} cannot be written", reason(failed)) from None

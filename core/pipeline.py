@@ -15,7 +15,7 @@ from .calibration.calibrate import calibrated
 from .checks import check
 from .fill.paths import fill_paths
 from .gcode.standby import standby_warnings
-from .mesh import triangulate
+from .mesh import size_warnings, triangulate
 from .model import FloatArray, SurfaceModel, TriangleMesh
 from .pattern.contours import Contours, contours
 from .pattern.optimized import optimized_samples
@@ -150,6 +150,7 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
         slopes = slope_report(mesh, paint.result())
         single_color = alone.result()
     warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples, settings)
+    warnings += size_warnings(mesh, model.name, settings)
     report = _report(model, mesh, cut, moves, settings)
     thin = thin_report(thin_features(cut, lines, settings), cut)
     warnings += thin_warnings(thin, settings)

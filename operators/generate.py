@@ -8,7 +8,7 @@ import bpy
 
 from ..bridge.curves import build_preview, source_of
 from ..bridge.mesh_input import WITH_SURFACE
-from ..bridge.plate import objects_to_print, plate_model
+from ..bridge.plate import check_present, objects_to_print, plate_model
 from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept
 from ..core.pipeline import DualColorPrint, Progress, steps
@@ -39,7 +39,9 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
         PrintError: it cannot be printed.
     """
     yield 0.0, "reading the object"
-    obj, *others = objects = objects_to_print(context)
+    objects = objects_to_print(context)
+    check_present(objects)
+    obj, *others = objects
     settings = to_settings(obj.dualcolor)
     images = [each.dualcolor.image for each in objects]
     model = plate_model(objects, context.evaluated_depsgraph_get(), settings, images)
@@ -48,6 +50,7 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
     if result is None:
         result = yield from _scaled(steps(model, settings))
         yield _SHARE_OF_PIPELINE, "strands"
+        check_present(objects)
         build_preview(result, obj, others)
         set_report(obj.dualcolor, result.report)
         keep(obj, digest, result)

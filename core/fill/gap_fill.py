@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from itertools import pairwise
 
@@ -24,6 +25,7 @@ _SHORTEST = 1.0  # line widths
 _NARROWEST, _WIDEST = 0.5, 1.5  # line widths
 _SIMPLIFY_MM = 0.03
 _ON_EDGE_MM = 1e-6
+_GRID_DIGITS = 6  # decimals of mm; points much nearer than that to each other upset the triangulation
 
 
 def gaps_between(walls: list[Shapes], width_mm: FloatArray) -> list[Shapes]:
@@ -110,12 +112,31 @@ def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray)
     )
 
 
+def _on_grid(points: FloatArray) -> FloatArray:
+    """(N, 2) points on a grid, on which neighbours are the same or well apart."""
+    rounded: FloatArray = np.round(points, _GRID_DIGITS)
+    return rounded
+
+
+def _triangles(points: Shapes) -> Shapes:
+    """(P,) the Delaunay triangles of (P,) sets of points; none where GEOS cannot find them."""
+    try:
+        return np.asarray(shapely.delaunay_triangles(points))
+    except shapely.GEOSException:  # tells not which one
+        pass
+    found = np.full(len(points), shapely.GeometryCollection(), dtype=object)
+    for row, one in enumerate(points):
+        with suppress(shapely.GEOSException):
+            found[row] = shapely.delaunay_triangles(one)
+    return found
+
+
 def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
     """(P,) lines along the middle of (P,) polygons, and the polygons' boundaries."""
     edge = shapely.segmentize(shapely.boundary(gap), _SAMPLE * width_mm)
     points, part = shapely.get_coordinates(edge, return_index=True)
     triangle, part = shapely.get_parts(
-        shapely.delaunay_triangles(shapely.multipoints(points, indices=part)), return_index=True
+        _triangles(shapely.multipoints(_on_grid(points), indices=part)), return_index=True
     )
     corner = shapely.get_coordinates(triangle).reshape(-1, 4, 2)[:, :3]
     centre = corner.mean(axis=1)

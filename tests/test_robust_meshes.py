@@ -1,0 +1,125 @@
+"""Broken meshes print with a warning or are refused in one sentence, and what is printed is where the mesh is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dualcolor.core.errors import MeshError, PrintError
+from dualcolor.core.mesh import triangulate
+from dualcolor.core.pipeline import generate
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.slicing.slices import slices
+from dualcolor.tests.solids import box, cylinder, joined, surface
+from dualcolor.tests.winding import agreement
+
+SETTINGS = PrintSettings()
+
+
+def sliced(model):
+    mesh = triangulate(model, SETTINGS)
+    return mesh, slices(mesh, SETTINGS)
+
+
+def flipped(model, faces):
+    """With some of its triangles turned round."""
+    corners = model.corner_vertex.reshape(-1, 3).copy()
+    corners[faces] = corners[faces, ::-1]
+    return replace(model, corner_vertex=corners.ravel())
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        cylinder(8, 10),
+        box((0, 0, 0), (10, 10, 10), inward=True),
+        joined(box((0, 0, 0), (20, 20, 10)), box((4, 4, -1), (16, 16, 11), inward=True)),
+        joined(box((0, 0, 0), (10, 10, 10)), box((5, 5, 0), (15, 15, 10)), box((7, 0, 2), (9, 20, 6))),
+        joined(box((0, 0, 0), (10, 10, 10)), box((10, 0, 0), (20, 10, 10))),
+        joined(box((0, 0, 0), (10, 10, 10)), box((0, 0, 0), (10, 10, 10))),
+    ],
+    ids=["cylinder", "inside out", "hole", "overlapping", "touching", "doubled"],
+)
+def test_slices_and_rays_agree(model):
+    found = agreement(*sliced(model), 4000)
+    assert found.disagreements == 0 and found.unambiguous > 3900 and found.inside > 500
+
+
+def test_the_rays_see_a_slice_that_is_wrong():
+    mesh, cut = sliced(cylinder(8, 10))
+    wrong = replace(cut, regions=np.roll(np.array([*cut.regions[:-1], cut.regions[0].buffer(-1)]), 1))
+    assert agreement(mesh, wrong, 4000).disagreements > 0
+
+
+def test_mixed_winding_is_closed_and_printed():
+    model = flipped(box((0, 0, 0), (20, 20, 5)), [3, 8])
+    _, cut = sliced(model)
+    np.testing.assert_allclose([region.area for region in cut.regions], 400, rtol=1e-6)
+
+
+def test_duplicate_and_zero_area_faces_change_nothing():
+    plain = box((0, 0, 0), (20, 20, 5))
+    corners = plain.corner_vertex.reshape(-1, 3)
+    worse = surface(plain.vertices, np.concatenate([corners, [[0, 0, 1], [0, 1, 1]], corners[:6], corners[:6, ::-1]]))
+    _, cut = sliced(worse)
+    np.testing.assert_allclose([region.area for region in cut.regions], 400, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("factor", "said"),
+    [
+        (1e-3, "metres"),
+        (1 / 25.4, "inches"),
+        (1e-6, "kilometres"),
+        (1e3, "micrometres"),
+        (1e36, "unit"),
+        (np.nan, "finite"),
+    ],
+)
+def test_absurd_scales_are_refused_with_a_hint_at_the_unit(factor, said):
+    model = box((0, 0, 0), (20, 20, 10))
+    with pytest.raises(MeshError, match=said) as refused:
+        generate(replace(model, vertices=model.vertices * factor), SETTINGS)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_small_object_is_printed_with_a_hint_at_the_unit():
+    model = box((0, 0, 0), (2, 2, 1))
+    with pytest.raises(MeshError, match="in inches it would be 10"):
+        generate(replace(model, vertices=model.vertices * 0.2), SETTINGS)
+    found = generate(model, SETTINGS)
+    assert any(
+        "only 2 mm long; check its scale and unit: in inches it would be 50.8 mm" in text for text in found.warnings
+    )
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["box.STL", "cube_with_fold.ply", "degenerated.obj", "empty.stl", "kleinBottle.obj", "nancolor.obj", "soup.stl",
+     "sphereWithHole.stl", "teapot.obj", "two-boxes-bad-self-union.ply", "not_convex.obj"],
+)  # fmt: skip
+def test_nasty_files(data, name):
+    pytest.importorskip("bpy")
+    from benchmarks.robustness import is_kind, printed
+
+    said, result = printed(data / "nasty" / name, 10.0)
+    if result is None:
+        assert "\n" not in said["refused"] and len(said["refused"]) < 300
+    else:
+        found = agreement(result.mesh, result.slices, 2000)
+        assert is_kind({"points": vars(found)})
+        assert len(result.slices.open_layers) == 0 or any("do not close" in text for text in result.warnings)
+
+
+def test_only_refusals_come_out_of_random_soups():
+    random = np.random.default_rng(4)
+    for _ in range(15):
+        count = int(random.integers(4, 30))
+        points = random.uniform(-8, 8, (count, 3)) * random.choice([1, 1, 1e-9], (1, 3))
+        points = np.round(points, int(random.integers(0, 4)))
+        faces = random.integers(0, count, (int(random.integers(1, 60)), 3))
+        try:
+            found = generate(surface(points, faces), SETTINGS)
+        except PrintError as problem:
+            assert problem.message
+        else:
+            assert np.isfinite(found.moves.position).all()
