@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from .commands import analyse, audit, build_table, demo, measure, plate, render
+from .commands import audit, build_table, demo, measure, plate, render
 from .commands import print as print_command
 from .commands.terminal import file_size
 from .core.errors import PrintError
