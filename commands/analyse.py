@@ -1,0 +1,163 @@
+"""`dualcolor analyse`: what will be seen of the pattern's seams, without printing anything."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..core.errors import OutputError
+from ..core.files import write_file
+from ..core.outputs import OutputFiles
+from ..core.settings import PrintSettings
+from ..core.viewing import TURNTABLE, VIEWS, view_files
+from .arguments import add_settings, chosen_outputs, chosen_settings, path_ending_in, positive
+from .pictures import views
+from .terminal import Progress
+
+if TYPE_CHECKING:
+    import bpy
+
+    from ..core.analysis.study import Analysis
+
+NAME = "analyse"
+HELP = "show seams, tracelines and slopes of the pattern, and which way up is best"
+PICTURES = ("heatmap", "tracelines", "slopes")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("model", type=Path, nargs="?", metavar="MODEL", help=".blend, .obj, .stl, .ply, .glb or .gltf "
+                        "file (default: the program's own sample)")  # fmt: skip
+    parser.add_argument("--object", default="", metavar="NAME", help="object to analyse (default: all meshes of an "
+                        "imported file as one, the active mesh of a .blend)")  # fmt: skip
+    parser.add_argument("--texture", type=Path, metavar="IMAGE", help="picture to print instead of the model's own")
+    parser.add_argument("--up", choices=("y", "z"), default="", help="axis of the file that points up")
+    parser.add_argument("--height-mm", type=positive, metavar="H", help="scale the file to this height")
+    parser.add_argument("--unwrap", choices=("smart", "xatlas"), help="make UVs if the mesh has none")
+    add_settings(parser)
+    outputs = parser.add_argument_group("outputs")
+    outputs.add_argument("--report", type=Path, metavar="F.json", help="all figures")
+    for name, what in zip(PICTURES, ("seam errors", "tracelines", "slopes too flat for tones"), strict=True):
+        outputs.add_argument(f"--{name}", type=path_ending_in(".png"), metavar="F.png", help=f"picture of the {what}")
+    outputs.add_argument("--views", type=views, default=(), metavar="VIEW,…", help="pictures F_VIEW.png of several "
+                         f"sides instead of one: {', '.join(VIEWS)}")  # fmt: skip
+    outputs.add_argument("--azimuth", type=float, default=0.0, metavar="DEG", help="side of the model that is its "
+                         "front in the pictures: 0 is -Y, 90 is +X (default: 0)")  # fmt: skip
+    outputs.add_argument("--pixels", type=_pixels, default=900, metavar="N", help="longer side of the pictures "
+                         "(default: 900)")  # fmt: skip
+
+
+def outputs(args: argparse.Namespace) -> dict[str, Path]:
+    """The files that are to be written: `report`, and `<picture> <view>` of each picture.
+
+    Raises:
+        OutputError: a turntable is asked for.
+    """
+    if TURNTABLE in args.views:
+        raise OutputError("an analysis has no turntable", "name sides by --views")
+    paths = chosen_outputs(args, ("report",))
+    for name, path in chosen_outputs(args, PICTURES).items():
+        paths |= {f"{name} {view}": file for view, file in view_files(path, args.views).items()}
+    return paths
+
+
+def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+    """Open the model, analyse it, draw it, and say what was found.
+
+    Raises:
+        PrintError: the input cannot be printed, or its pattern has no seams to draw.
+    """
+    settings = chosen_settings(args)
+    from ..bridge.quiet import quiet_stdout
+    from ..core.analysis import figures
+
+    draw = {
+        "heatmap": figures.heatmap, "tracelines": figures.traceline_picture, "slopes": figures.slope_picture
+    }  # fmt: skip
+    with quiet_stdout(), Progress() as progress:
+        found = _analysed(args, settings, progress)
+        for number, (kind, path) in enumerate(paths.items()):
+            if kind == "report":
+                text = json.dumps(found.report, indent=2, allow_nan=False) + "\n"
+                write_file(files.staged(path), text.encode())
+                continue
+            name, view = kind.split(" ", 1)
+            progress.show(number / len(paths), f"drawing, {name}")
+            azimuth, elevation = VIEWS[view]
+            write_file(files.staged(path), _png(draw[name](found, (azimuth + args.azimuth, elevation), args.pixels)))
+    return summary(found)
+
+
+def summary(found: Analysis) -> list[str]:
+    """Seams, tracelines, slopes and the best orientations of an analysis, a line each."""
+    report = found.report
+    lines = [f"{report['name']}: {report['layers']} layers"]
+    if (pattern := report["pattern"]) and (traced := report["tracelines"]):
+        lines += [
+            f"seams: {pattern['error_free']:.1%} free of error, {pattern['imperceptible']:.1%} imperceptible, "
+            f"{pattern['salient']:.2%} salient; {pattern['discarded_probes']:,} of {pattern['probes']:,} probes "
+            f"discarded ({pattern['discarded']:.1%})",
+            f"tracelines: {traced['tracelines']:,}, {traced['births']:,} births, {traced['deaths']:,} deaths",
+        ]
+    slopes, faded = report["slopes"], report["faded"]
+    lines += [
+        f"wave or set-back faded for want of room: {faded['share']:.1%} of the outline; "
+        f"outlines too short for the pattern: {report['too_short']['outlines']} of {report['too_short']['of']}",
+        f"painted contrast on slopes from 20° to 30°: {slopes['contrast_degraded']:.1%}, flatter: "
+        f"{slopes['contrast_gone']:.1%}",
+    ]
+    for number, one in enumerate(report["orientations"][:3], start=1):
+        up = ", ".join(f"{part:.2f}" for part in one["up"])
+        lines.append(
+            f"orientation {number}: up ({up}), {one['contrast']:.0%} of the contrast shown, "
+            f"{one['support_mm2']:.0f} mm² to support, {one['height_mm']:.0f} mm high"
+        )
+    return [*lines, *(f"warning: {warning}" for warning in found.warnings)]
+
+
+def _analysed(args: argparse.Namespace, settings: PrintSettings, progress: Progress) -> Analysis:
+    import bpy
+
+    from ..bridge.image_input import load_image
+    from ..bridge.plate import plate_model
+    from ..core.analysis.study import analyse
+
+    obj = _opened(args)
+    image = load_image(args.texture) if args.texture else None
+    model = plate_model([obj], bpy.context.evaluated_depsgraph_get(), settings, [image])
+    return analyse(model, settings, progress.show)
+
+
+def _opened(args: argparse.Namespace) -> bpy.types.Object:
+    from ..bridge.model_file import open_model
+    from ..bridge.sample import make_sample
+    from ..bridge.unwrap import unwrap
+
+    if args.model is None:
+        return make_sample()
+    obj = open_model(args.model, args.object, args.up, args.height_mm)
+    if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
+        unwrap(obj, args.unwrap)
+    return obj
+
+
+def _pixels(text: str) -> int:
+    """A picture's size.
+
+    Raises:
+        argparse.ArgumentTypeError: it is not a whole number from 100 to 4000.
+    """
+    if not text.isdecimal() or not 100 <= int(text) <= 4000:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 100 to 4000")
+    return int(text)
+
+
+def _png(picture: object) -> bytes:
+    from PIL import Image
+
+    data = BytesIO()
+    Image.fromarray(picture).save(data, "PNG", optimize=True)
+    return data.getvalue()
