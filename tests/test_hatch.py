@@ -106,8 +106,10 @@ def test_random_regions_are_filled_once_and_never_left(pattern):
     solid, sparse = without(solid, over_air), without(sparse, over_air)
     scanned, printed = 0, 0
     for feature, regions in ((Feature.SKIN, solid), (Feature.INFILL, sparse)):
-        lines, island = lines_of(paths, feature), paths.island[paths.feature == feature]
-        assert len(lines) and (paths.layer[paths.feature == feature] == layer[island]).all()
+        of_fill = paths.width[paths.start[:-1]] == WIDTH  # lines in gaps lie beside the regions
+        lines = lines_of(paths, feature)[of_fill[paths.feature == feature]]
+        island = paths.island[of_fill & (paths.feature == feature)]
+        assert len(lines) and (paths.layer[of_fill & (paths.feature == feature)] == layer[island]).all()
         assert shapely.covers(shapely.buffer(regions, WIDTH)[island], lines).all()
         for k in range(24):
             crossed = {"grid": [45, 135], "triangles": [45, 105, 165]} if feature == Feature.INFILL else {}

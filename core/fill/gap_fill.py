@@ -49,7 +49,8 @@ def _gaps(outer: Shapes, inner: Shapes, width_mm: FloatArray, into_wall: float) 
     rows = np.flatnonzero(_lose_length(outer, inner, width_mm))
     width = width_mm[rows]
     reach = (0.5 - into_wall) * width
-    inside, taken = offset(outer[rows], -reach), offset(inner[rows], width - reach)
+    # Strands end round, so what a wall takes at a sharp corner is round too.
+    inside, taken = offset(outer[rows], -reach), shapely.buffer(inner[rows], width - reach, quad_segs=2)
     some = shapely.area(inside) - shapely.area(taken) > _SMALLEST_MM2
     rows, inside, taken, width = rows[some], inside[some], taken[some], width[some]
     walls = shapely.buffer(taken, _CORNER * width, quad_segs=2)
@@ -97,10 +98,13 @@ def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray)
     lines, part = shapely.get_parts(merged, return_index=True)
     width = width_mm[island[part]]
     long = (shapely.length(lines) >= _SHORTEST * width) & (shapely.get_dimensions(lines) == 1)
+    if not long.any():
+        return Paths.empty()
     lines, part, width = lines[long], part[long], width[long]
     points, line = shapely.get_coordinates(lines, return_index=True)
     half = shapely.distance(shapely.points(points), edges[part[line]])
     wide = np.clip(2 * half, _NARROWEST * width[line], _WIDEST * width[line])
+    points, wide, line = _to_the_ends(points, wide, line, gap=parts[part])
     return Paths(
         points=points,
         start=starts(np.bincount(line, minlength=len(lines))),
@@ -129,6 +133,41 @@ def _triangles(points: Shapes) -> Shapes:
         with suppress(shapely.GEOSException):
             found[row] = shapely.delaunay_triangles(one)
     return found
+
+
+def _to_the_ends(
+    points: FloatArray, wide: FloatArray, line: IntArray, gap: Shapes
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Lines made longer straight on, up to the ends of their gaps: the middle is found only between two sides.
+
+    Args:
+        points: (N, 2) mm.
+        wide: (N,) mm.
+        line: (N,) the line of each point.
+        gap: (L,) the gap of each line.
+    """
+    first = np.flatnonzero(np.diff(line, prepend=-1))
+    last = np.append(first[1:], len(line)) - 1
+    # Last points come first: where one is put in at the place of the next line's first one, it has to stand before it.
+    ends, before = np.concatenate([last, first]), np.concatenate([last - 1, first + 1])
+    _, place, count = np.unique(np.round(points[ends] / _ON_EDGE_MM), axis=0, return_inverse=True, return_counts=True)
+    forked = count[place.ravel()] > 1
+    away = points[ends] - points[before]
+    away *= (2 * wide[ends] / np.maximum(np.hypot(*away.T), _ON_EDGE_MM))[:, None]
+    ahead = shapely.linestrings(np.stack([points[ends], points[ends] + away], axis=1))
+    reached = shapely.intersection(ahead, gap[line[ends]])
+    on = shapely.get_parts(reached, return_index=True)
+    touching = shapely.distance(on[0], shapely.points(points[ends[on[1]]])) < 2 * _ON_EDGE_MM
+    length = np.zeros(len(ends))
+    np.maximum.at(length, on[1][touching], shapely.length(on[0][touching]))
+    longer = (length > _SIMPLIFY_MM) & ~forked
+    tips = points[ends] + away * (length / np.maximum(np.hypot(*away.T), _ON_EDGE_MM))[:, None]
+    where = np.concatenate([last + 1, first])[longer]
+    return (
+        np.insert(points, where, tips[longer], axis=0),
+        np.insert(wide, where, wide[ends][longer]),
+        np.insert(line, where, line[ends][longer]),
+    )
 
 
 def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
