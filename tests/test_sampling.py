@@ -1,9 +1,11 @@
 """The optimised sampling: bounds on any solid, plans where the best is known, and fewer seams than the paper's."""
 
+from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
 import pytest
+import shapely
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.pattern.contours import contours, long_enough
 from dualcolor.core.pattern.optimized import optimized_samples
@@ -11,6 +13,7 @@ from dualcolor.core.pattern.phase_grid import phase_grid
 from dualcolor.core.pattern.quality import seam_errors
 from dualcolor.core.pattern.sampling import Projector, sample
 from dualcolor.core.pattern.spacing import bounded
+from dualcolor.core.pattern.wave import modulated, waved
 from dualcolor.core.pattern.wave_plan import _Curl
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
@@ -167,3 +170,49 @@ def test_real_models_have_fewer_seams_than_by_the_paper(data, name, height):
     assert after["salient"] < 0.6 * before["salient"]
     assert after["error_free"] + after["imperceptible"] > 0.99
     assert best.spacing(lines).mean() == pytest.approx(1.2 * 2**0.5, abs=0.03)
+
+
+def test_a_tip_sharper_than_the_line_does_not_fold():
+    """A wedge of 20 degrees: a line half a width inside its flanks would run over the tip and back."""
+    wedge = lathe([[10, 0], [10, 2]], sides=3)
+    wedge = replace(wedge, vertices=wedge.vertices * [1.0, 0.17, 1.0])
+    for lines in (lines_of(wedge), lines_of(replace(wedge, vertices=wedge.vertices * [1.0, 0.5, 1.0]))):
+        rings = shapely.linearrings(lines.points, indices=lines.loop)
+        assert shapely.is_simple(rings).all()
+
+
+@pytest.mark.parametrize(("name", "height"), [("nc/armadillo.obj", 80), ("spot/spot.obj", 60)])
+def test_no_waved_outline_crosses_itself_or_another(data, name, height):
+    from dualcolor.tests.real_models import obj_model
+
+    lines = lines_of(obj_model(data / "meshes" / name, height))
+    best = optimized_samples(lines, Projector(lines, 0.6), DEFAULT)
+    tone, upright = np.full(len(lines.arc), 0.5), np.zeros(len(lines.arc))
+    outlines = waved(lines, best, tone, *modulated(lines, tone, upright, DEFAULT), DEFAULT)
+    count = np.diff(outlines.start)
+    loop = np.repeat(np.arange(len(count)), count)
+    # A speck of two points is a stroke, not a ring.
+    ring = np.repeat(count > 2, count)
+    _, number = np.unique(loop[ring], return_inverse=True)
+    rings = shapely.linearrings(outlines.points[ring], indices=number)
+    closed, number = shapely.get_coordinates(rings, return_index=True)
+    together = shapely.multilinestrings(shapely.linestrings(closed, indices=number), indices=outlines.layer[count > 2])
+    assert shapely.is_simple(together).all()
+
+
+def test_seams_go_where_they_matter_less(data):
+    """With the front alone visible, the seams there are fewer than without, and than a fifth of the paper's."""
+    from dualcolor.tests.real_models import obj_model
+
+    lines = lines_of(obj_model(data / "meshes" / "nc/kitten.obj", 54))
+    visibility = np.clip(0.5 - lines.normal[:, 1], 0, 1)
+    plain, aimed, projector = both(lines, visibility=visibility)
+
+    def seen(samples):
+        errors = seam_errors(lines, samples, projector)
+        kept = ~errors.discarded
+        weight = visibility[np.searchsorted(lines.arc, errors.arc[kept], side="right") - 1]
+        return weight[errors.error[kept] >= 0.5].sum() / weight.sum()
+
+    assert seen(aimed) < 0.25 * seen(plain)
+    assert_bounds(lines, aimed)

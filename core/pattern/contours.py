@@ -24,6 +24,10 @@ POINTS_PER_WAVELENGTH = 6
 FILTER_SIGMA = 0.25
 # Thinner lines than this share of the extrusion width do not stick; a thinner wall gets overlapping lines.
 LEAST_WIDTH = 0.5
+# Walls nearer to each other than twice this carry no wave: clearance is measured between points, not lines, mm.
+NARROW_GAP = 0.02
+# Where the line would fold back by its inset, at tips sharper than the line, the inset is halved, at most so often.
+UNFOLDINGS, UNFOLDED = 5, 0.2
 # So many layers are treated at a time, in threads: their arrays stay in the cache.
 LAYERS_AT_ONCE = 16
 
@@ -136,10 +140,10 @@ def _contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSetting
     reach = 2 * float(widest.max(initial=0.0)) + settings.wave_depth_max + 2 * settings.offset_max
     thickness, clearance = gaps(smooth, normal, start, loop_layer, reach)
     width = np.clip(thickness / 2, LEAST_WIDTH * widest, widest)
-    base = smooth - normal * (np.minimum(width, thickness / 2) / 2)[:, None]
+    base, unbent = _inset(smooth, normal, np.minimum(width, thickness / 2) / 2, start, kernel)
     arc, arc_start = _arc_length(base, start)
     turn = curvature(base, start)
-    inside, outside = np.maximum(thickness / 2 - width, 0), np.maximum(clearance / 2, 0)
+    inside, outside = np.maximum(thickness / 2 - width, 0), np.maximum(clearance / 2 - NARROW_GAP, 0)
     return Contours(
         points=base,
         normal=normal,
@@ -151,8 +155,8 @@ def _contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSetting
         face=face,
         carried=carried,
         width=width,
-        room_inside=np.minimum(inside, _bend_room(turn, start, kernel)),
-        room_outside=np.minimum(outside, _bend_room(-turn, start, kernel)),
+        room_inside=unbent * np.minimum(inside, _bend_room(turn, start, kernel)),
+        room_outside=unbent * np.minimum(outside, _bend_room(-turn, start, kernel)),
     )
 
 
@@ -218,6 +222,28 @@ def curvature(points: FloatArray, start: IntArray) -> FloatArray:
     dot = (ahead * behind).sum(axis=1)
     length = (np.hypot(ahead[:, 0], ahead[:, 1]) + np.hypot(behind[:, 0], behind[:, 1])) / 2
     return np.asarray(np.arctan2(cross, dot) / np.maximum(length, 1e-9))
+
+
+def _inset(
+    smooth: FloatArray, normal: FloatArray, depth: FloatArray, start: IntArray, kernel: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The outline moved inwards by `depth` (N,) mm, by less where it would turn back on itself, and 0 to 1 there.
+
+    The second is how much room for a wave such a tip leaves: none where the inset had to be halved.
+    """
+    ahead = following(start)
+    along = smooth[ahead] - smooth
+    least = UNFOLDED * np.einsum("ij,ij->i", along, along)
+    base, wanted = smooth - normal * depth[:, None], depth
+    for _ in range(UNFOLDINGS):
+        folded = np.einsum("ij,ij->i", base[ahead] - base, along) < least
+        if not folded.any():
+            break
+        ends = folded.astype(float)
+        ends[ahead] = np.maximum(ends[ahead], folded)
+        depth = depth * (1 - 0.5 * np.minimum(2 * len(kernel) * filtered(ends, start, kernel), 1.0))
+        base = smooth - normal * depth[:, None]
+    return base, np.clip(2 * depth / np.maximum(wanted, 1e-9) - 1, 0.0, 1.0)
 
 
 def _bend_room(turn: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:

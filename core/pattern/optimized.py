@@ -32,8 +32,8 @@ from .whole_waves import Phase, rounded
 # The plan is made on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
 # Rounds and steps of the fit on the coarse and on the fine grid.
-COARSE_FIT = (6, 30)
-FINE_FIT = (4, 8)
+COARSE_FIT = (6, 20)
+FINE_FIT = (4, 6)
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
 # What nobody sees still counts by this much.

@@ -24,14 +24,14 @@ from .phase_grid import PhaseGrid
 from .sampling import Projector, Samples
 from .spacing import bounded, pushed
 
-STEPS = 24
+STEPS = 16
 PUSHES = 4
 # Error from which a place counts as part of a seam, and how many samples around it may move.
-SEAM, AROUND = 0.15, 6
+SEAM, AROUND = 0.2, 6
 HALF_SEEN = 0.8
 UNSEEN_COST = 0.1
 # Share of the Gauss-Newton step that is gone, its greatest length in wavelengths, and what damps it, 1/mm².
-RATE, LONGEST, DAMPING = 0.3, 0.04, 2.0
+RATE, LONGEST, DAMPING = 0.4, 0.04, 2.0
 VISIBLE = 0.5
 
 

@@ -30,7 +30,7 @@ from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, on_grid
 
 # Steps on the grid of every so many layers, on which most of the way is gone, and on that of all layers.
-SPAN, SPAN_STRIDE, SPAN_STEPS = 4, 6, 600
+SPAN, SPAN_STRIDE, SPAN_STEPS = 4, 6, 400
 STEPS = 100
 OVER_RELAXATION = 1.8
 # How far the waves may slide from a layer to the next, in waves, and what sliding and uneven spacing cost.
