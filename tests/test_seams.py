@@ -80,7 +80,7 @@ def test_nearest_to_the_nozzle():
 
 
 def test_of_a_whole_print():
-    settings = PrintSettings(pattern="wave", skirts=0)
+    settings = PrintSettings(pattern="wave", skirts=0, calibration="none")
     can = cylinder(radius=12, height=2)
     radii = {}
     for place in ("rear", "valley", "nearest"):

@@ -8,7 +8,7 @@ from typing import Any
 from ..settings import PrintSettings
 
 _ALWAYS = ("pattern", "max_unsupported", "layer_height", "extrusion_width", "sag")
-_WAVES = ("wavelength", "wave_depth_max", "wave_depth_min")
+_WAVES = ("sampling", "wavelength", "wave_depth_max", "wave_depth_min")
 _SET_BACK = ("offset_max", "offset_onset")
 _OF_PATTERN = {"wave": _WAVES, "wave_offset": _WAVES + _SET_BACK, "offset": _SET_BACK}
 
