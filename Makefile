@@ -1,9 +1,10 @@
 # make demo: the sample from nothing to G-code and pictures, in out/
 # make test: all checks and tests
 # make package: the extension for Blender, in dist/
+# make fuzz: damaged files for all readers, SECONDS each
 # make benchmark: against a single-colour slicer, where one is installed
 .DELETE_ON_ERROR:
-.PHONY: demo test package benchmark environment lint clean
+.PHONY: demo test package benchmark fuzz environment lint clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -26,6 +27,9 @@ package: environment
 
 benchmark: environment
 	$(BIN)/python benchmarks/slicers.py
+
+fuzz: environment
+	$(BIN)/python tests/fuzz/run.py --seconds $(or $(SECONDS),60)
 
 environment: $(VENV)/.runtime
 

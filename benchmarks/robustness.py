@@ -153,7 +153,10 @@ def is_kind(found: dict[str, Any]) -> bool:
 
 
 OUTCOME_HEAD = "| file | as large as in the file | 20 mm high |\n|---|---|---|\n"
-POINT_HEAD = "| mesh | points | in layers said to be open | unambiguous | of these inside | disagreements |\n|---|---|---|---|---|---|\n"
+POINT_HEAD = (
+    "| mesh | points | in layers said to be open | unambiguous | of these inside | disagreements |\n"
+    "|---|---|---|---|---|---|\n"
+)
 
 
 def outcome_row(path: Path, found: dict[str, Any]) -> str:

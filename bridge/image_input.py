@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from io import BytesIO
 from pathlib import Path
 
 import bpy
@@ -11,6 +13,7 @@ from ..core.errors import TextureError
 from ..core.model import Float32Array, ToneImage
 from ..core.texture.decode import tone_image
 from ..core.texture.grade import linear_colours
+from ..core.texture.heads import check_texels, texels, texels_of_file
 
 RAW_COLOUR_SPACES = ("Non-Color", "Raw", "Linear Rec.709", "Linear", "Generic Data")
 
@@ -19,9 +22,11 @@ def load_image(path: Path) -> bpy.types.Image:
     """Open a picture file.
 
     Raises:
-        TextureError: the file is missing or not a picture.
+        TextureError: the file is missing, not a picture, or one of absurd size.
     """
     hint = "give a PNG, JPEG, TIFF or EXR file"
+    with suppress(OSError):  # told below
+        check_texels(path.name, texels_of_file(path))
     try:
         image = bpy.data.images.load(str(path.resolve()))
     except RuntimeError:  # how Blender tells that it cannot open the file
@@ -59,6 +64,8 @@ def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
     """(H, W, 4) as stored, whether colours are sRGB-encoded, and whether they are multiplied by alpha."""
     if image.source == "TILED" and len(image.tiles) > 1:
         raise TextureError(f"the image {image.name} has several tiles", "bake them into a single image")
+    if not image.has_data:  # asking for the size would decode it
+        check_texels(image.name, _texels_undecoded(image))
     width, height = image.size
     if not width or not height:
         raise TextureError(f"the image {image.name} has no pixels", "its file may be missing: reload or replace it")
@@ -69,6 +76,15 @@ def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
         rgba[..., 3] = 1.0
     encoded = not image.is_float and image.colorspace_settings.name not in RAW_COLOUR_SPACES
     return rgba, encoded, image.is_float and image.alpha_mode == "STRAIGHT"
+
+
+def _texels_undecoded(image: bpy.types.Image) -> int:
+    """Texels that the head of an image's file claims, 0 where it does not tell."""
+    if image.packed_file:
+        return texels(BytesIO(image.packed_file.data))
+    with suppress(OSError):  # a missing file has no texels
+        return texels_of_file(Path(bpy.path.abspath(image.filepath, library=image.library)))
+    return 0
 
 
 def _as_rgba(pixels: np.ndarray) -> np.ndarray:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 from pathlib import Path
+from typing import Any
 
 from .errors import OutputError
 
+# Settings take a few kB, tables some more; nothing is read farther than this.
+MOST_JSON_BYTES = 1 << 20
 _REASONS = {
     errno.ENOENT: "its folder does not exist",
     errno.ENOTDIR: "its folder is a file",
@@ -20,6 +24,23 @@ _REASONS = {
     errno.EFBIG: "the disk takes no file of this size",
     errno.ENAMETOOLONG: "its name is too long",
 }
+
+
+def read_json(path: Path) -> Any:
+    """What a JSON file holds, without reading or nesting beyond all bounds.
+
+    Raises:
+        OSError: it cannot be read.
+        ValueError: it is too large or no JSON.
+    """
+    with path.open("rb") as file:
+        data = file.read(MOST_JSON_BYTES + 1)
+    if len(data) > MOST_JSON_BYTES:
+        raise ValueError("too large")
+    try:
+        return json.loads(data.decode("utf-8"))
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
 
 
 def write_file(path: str | os.PathLike[str], data: bytes) -> None:

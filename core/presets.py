@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from .errors import OutputError, SettingsError
-from .files import write_file
+from .files import MOST_JSON_BYTES, read_json, write_file
 from .settings import PrintSettings
 
 PRESETS = Path(__file__).resolve().parent.parent / "presets"
 # What the presets of each kind are about, by the groups of the settings.
 KINDS = {"printer": ("printer",), "filament": ("filament",), "quality": ("print",), "pattern": ("pattern", "texture")}
-# Settings take a few kB; a header is looked for no farther than this.
-MOST_BYTES = 1 << 20
 GCODE_SUFFIXES = (".gcode", ".gco", ".g")
 _NAME = re.compile(r"\w[\w .+-]{0,60}")
 
@@ -162,12 +160,13 @@ def _alike(value: Any, other: Any) -> bool:
 
 
 def _object(path: Path) -> dict[str, Any]:
-    text = _start_of(path)
-    if len(text) > MOST_BYTES:
-        raise SettingsError(f"{path} is too large for a file of settings", "give the JSON file of the settings")
     try:
-        values = json.loads(text.decode("utf-8"))
-    except (ValueError, RecursionError):
+        if path.stat().st_size > MOST_JSON_BYTES:
+            raise SettingsError(f"{path} is too large for a file of settings", "give the JSON file of the settings")
+        values = read_json(path)
+    except OSError as problem:
+        raise SettingsError(f"{path} cannot be read", problem.strerror or "") from None
+    except ValueError:
         raise SettingsError(f"{path} is not JSON") from None
     if not isinstance(values, dict):
         raise SettingsError(f"{path} holds no settings", 'write them as {"layer_height": 0.2}')
@@ -192,6 +191,6 @@ def _header_values(path: Path) -> dict[str, Any]:
 def _start_of(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            return file.read(MOST_BYTES + 1)
+            return file.read(MOST_JSON_BYTES + 1)
     except OSError as problem:
         raise SettingsError(f"{path} cannot be read", problem.strerror or "") from None

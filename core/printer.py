@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cache
@@ -10,11 +9,14 @@ from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 from .errors import SettingsError
+from .files import read_json
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
 Four = tuple[float, float, float, float]
 # Facts are data: another machine with this firmware is one more file here.
+_HINT = "copy another file of that folder and change its numbers"
+_MOST = 1e9  # no fact is larger; what is no number is not smaller
 PRINTERS = Path(__file__).resolve().parent.parent / "presets" / "printer"
 
 
@@ -115,9 +117,14 @@ def read_profile(path: Path) -> PrinterProfile:
     """The printer in a file.
 
     Raises:
-        SettingsError: the file lacks a fact, or holds one that is unknown or not of the right kind.
+        SettingsError: the file cannot be read, lacks a fact, or holds one that is unknown or not of the right kind.
     """
-    facts = json.loads(path.read_text(encoding="utf-8"))["printer"]
+    try:
+        facts = dict(read_json(path)["printer"])
+    except OSError as problem:
+        raise SettingsError(f"the printer {path.stem} cannot be read", problem.strerror or "") from None
+    except (KeyError, TypeError, ValueError):
+        raise SettingsError(f"the printer {path.stem} is no printer's file", _HINT) from None
     marlin = facts.pop("marlin", None)
     values = _values(PrinterProfile, facts, path, optional="marlin")
     if marlin is not None:
@@ -128,13 +135,15 @@ def read_profile(path: Path) -> PrinterProfile:
 def _values(kind: type, facts: dict[str, Any], path: Path, optional: str = "") -> dict[str, Any]:
     """The facts as the dataclass takes them."""
     declared = {fact.name for fact in fields(kind)} - {optional}
+    if not isinstance(facts, dict):
+        raise SettingsError(f"the printer {path.stem} is no printer's file", _HINT)
     if odd := sorted(set(facts) ^ declared):
-        hint = "copy another file of that folder and change its numbers"
-        raise SettingsError(f"the printer {path.stem} lacks a fact or has one too many: {', '.join(odd)}", hint)
+        named = ", ".join(name[:40] for name in odd[:5])
+        raise SettingsError(f"the printer {path.stem} lacks a fact or has one too many: {named}", _HINT)
     kinds = get_type_hints(kind)
     for name, fact in facts.items():
         if not _fits(fact, kinds[name]):
-            raise SettingsError(f"{name} of the printer {path.stem} is not of the right kind", f"it is {fact!r}")
+            raise SettingsError(f"{name} of the printer {path.stem} is not of the right kind", f"it is {fact!r:.60}")
     return {name: tuple(fact) if isinstance(fact, list) else fact for name, fact in facts.items()}
 
 
@@ -150,5 +159,5 @@ def _fits(fact: Any, kind: Any) -> bool:
             and all(_fits(part, of) for part, of in zip(fact, parts, strict=True))
         )
     if kind is float:
-        return isinstance(fact, (int, float)) and not isinstance(fact, bool)
+        return isinstance(fact, (int, float)) and not isinstance(fact, bool) and abs(fact) < _MOST
     return type(fact) is kind

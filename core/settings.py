@@ -301,7 +301,9 @@ class PrintSettings:
         known = {declared.name: declared for declared in fields(self)}
         for name in values:
             if name not in known:
-                raise SettingsError(f"there is no setting named {name}", "docs/settings.md lists them all")
+                raise SettingsError(
+                    f"there is no setting named {' '.join(name.split()):.60}", "docs/settings.md lists them all"
+                )
         return replace(self, **{name: checked(known[name], value) for name, value in values.items()})
 
 
@@ -315,9 +317,9 @@ def checked(declared: Field[Any], value: Any) -> Any:
     try:
         value = _converted(kind, value)
     except (TypeError, ValueError, OverflowError):
-        raise SettingsError(f"{name} = {value!r} is not {_KIND_NAMES[kind]}") from None
+        raise SettingsError(f"{name} = {value!r:.60} is not {_KIND_NAMES[kind]}") from None
     if limits["choices"] and value not in limits["choices"]:
-        raise SettingsError(f"{name} = {value!r} is not one of {', '.join(limits['choices'])}")
+        raise SettingsError(f"{name} = {value!r:.60} is not one of {', '.join(limits['choices'])}")
     if limits["low"] is not None and not limits["low"] <= value <= limits["high"]:
         unit = f" {limits['unit']}" if limits["unit"] else ""
         raise SettingsError(f"{name} = {value:g} is outside {limits['low']:g} to {limits['high']:g}{unit}")

@@ -6,10 +6,10 @@ import pytest
 from dualcolor.cli import main
 from dualcolor.core.errors import OutputError, SettingsError
 from dualcolor.core.exports import export_gcode
+from dualcolor.core.files import MOST_JSON_BYTES
 from dualcolor.core.pipeline import generate
 from dualcolor.core.presets import (
     KINDS,
-    MOST_BYTES,
     PRESETS,
     agrees,
     kind_settings,
@@ -141,7 +141,7 @@ def test_header_ends_at_the_first_command(tmp_path):
         ("a.json", b"{", "is not JSON"),
         ("a.json", b"\xff\xfe{}", "is not JSON"),
         ("a.json", b"[" * 200_000, "is not JSON"),
-        ("a.json", b'"' + b" " * MOST_BYTES + b'"', "too large"),
+        ("a.json", b'"' + b" " * MOST_JSON_BYTES + b'"', "too large"),
         ("a.gcode", b"G1 X1\n; wavelength = 2\n", "has no settings in its header"),
         ("a.gcode", bytes(range(256)) * 40, "has no settings in its header"),
     ],

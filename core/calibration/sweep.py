@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,12 @@ from .about import About
 BLOCKS = ("face", "phi", "theta")
 """Face on alone; turned up and down; turned to the sides."""
 _STEP_DEG, _FARTHEST_DEG = 10, 80
+
+# What numpy and zipfile raise when an archive is no archive, is broken, or claims to hold more than there is memory.
+_DAMAGES = (
+    *(OSError, EOFError, KeyError, ValueError, TypeError, AttributeError, NotImplementedError, RuntimeError),
+    *(MemoryError, RecursionError, SyntaxError, zipfile.BadZipFile, zlib.error),
+)
 
 
 @dataclass(frozen=True)
@@ -94,7 +101,7 @@ def read_sweep(path: Path) -> Sweep:
                 held[name].astype(np.float64) for name in ("angle_deg", "tone", "reflectance", "noise")
             )
             return Sweep(float(held["slant_deg"]), str(held["block"]), angle, tone, seen, noise, about)
-    except (OSError, KeyError, ValueError, TypeError, AttributeError, zipfile.BadZipFile):
+    except _DAMAGES:
         raise CalibrationError(f"{path} holds no readings of a tile", "remove it and measure again") from None
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import CalibrationError
-from ..files import write_file
+from ..files import read_json, write_file
 from ..model import FloatArray
 from .about import About
 from .sweep import Sweep
@@ -108,7 +108,7 @@ def read_table(path: Path) -> ToneTable:
     """
     hint = "give a file made by dualcolor build-table"
     try:
-        values = json.loads(path.read_text(encoding="utf-8"))
+        values = read_json(path)
         if values["format"] != FORMAT or values["version"] != VERSION:
             raise CalibrationError(f"{path} is not a tone table of version {VERSION}", hint)
         tone, slant, seen, noise = (

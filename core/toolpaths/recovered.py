@@ -13,6 +13,7 @@ UNKNOWN = -1
 _LEAST_PRIMING = 0.01  # mm of filament
 _HARDLY = 1e-9  # mm of filament, for moves that need less than the file can tell
 _TOLD_STEP = 0.002  # mm; widths that a file names are rounded to this
+_MOST = 1e6  # mm and mm/s; no printer is larger or faster
 _WINDOW = 0.2  # mm to either side over which a line's width is averaged where it varies
 
 
@@ -43,8 +44,10 @@ def recovered_moves(
         told: (M,) mm, width that the file names for each row; taken where the filament agrees with it.
 
     Raises:
-        PrintError: nothing is extruded.
+        PrintError: nothing is extruded, or a number is beyond all bounds.
     """
+    if any(np.abs(numbers).max(initial=0.0) > _MOST for numbers in (position, fed, speed)):
+        raise PrintError("the file is damaged: a number is beyond all bounds", "export the print again")
     kept = _tells_something(position, tool, fed)
     position, fed, speed = position[kept], fed[kept], speed[kept]
     tool, feature = tool[kept], feature[kept]
@@ -139,7 +142,8 @@ def _widths(area: FloatArray, way: FloatArray, doubt: FloatArray, begins: BoolAr
     high = np.minimum(np.searchsorted(middle, middle + _WINDOW, side="right"), line_last)
     areas = np.concatenate([[0.0], np.cumsum(area)])
     ways = np.concatenate([[0.0], ends])
-    around = (areas[high] - areas[low]) / (ways[high] - ways[low])
+    span = ways[high] - ways[low]  # 0 where a file's long ways swamp it
+    around = np.divide(areas[high] - areas[low], span, out=own.copy(), where=span > 0)
     smooth = np.where(np.abs(own - around) <= around * doubt, around, own)
     width: FloatArray = np.where(even, mean, smooth)
     width[np.abs(width - usual) <= 0.002 * usual] = usual

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..errors import PrintError
 from ..gcode.reader import ReadPrint
 from ..model import BoolArray, FloatArray
 from ..settings import PrintSettings
@@ -27,6 +28,8 @@ def moves_of_x3g(data: bytes, name: str, settings: PrintSettings | None = None) 
     settings = settings or PrintSettings()
     found = read_x3g(data)
     rows = np.flatnonzero(found.moves & found.known[:, :3].all(axis=1))
+    if not len(rows):
+        raise PrintError("the file lays down no plastic", "choose the X3G file of a print")
     per_mm = np.array(settings.printer_profile.steps_per_mm)
     position = found.steps[rows, :3] / per_mm[:3]
     fed = -found.way[rows, 3:].sum(axis=1) / per_mm[3]
