@@ -7,10 +7,12 @@ import bpy
 from . import cli
 from .bridge import properties, results, scrubber
 from .operators import add
+from .operators.analyse import OPERATORS as ANALYSE_OPERATORS
 from .operators.check_model import OPERATORS as CHECK_OPERATORS
 from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
 from .operators.import_print import DUALCOLOR_OT_import_print
+from .operators.orientation import OPERATORS as ORIENTATION_OPERATORS
 from .operators.painting import OPERATORS as PAINTING_OPERATORS
 from .operators.presets import OPERATORS as PRESET_OPERATORS
 from .operators.render import OPERATORS as RENDER_OPERATORS
@@ -35,6 +37,8 @@ CLASSES = (
     *add.CLASSES,
     DUALCOLOR_OT_scale_to_height,
     *CHECK_OPERATORS,
+    *ANALYSE_OPERATORS,
+    *ORIENTATION_OPERATORS,
     *UNWRAP_OPERATORS,
     *PAINTING_OPERATORS,
     *PANELS,

@@ -55,7 +55,7 @@ def build_preview(
     scene = bpy.context.scene
     unit = mm_per_unit(scene)
     name = source.name if source else result.name
-    origin = _bed_origin(result.mesh, source, unit) if source else np.zeros(3)
+    origin = bed_origin(result.mesh, source, unit) if source else np.zeros(3)
     laid = settled(strands(result.moves), result.settings.sag)
     outlines = getattr(result, "outlines", None)  # what is read from a file tells nothing of tones
     tone = tone_of_moves(outlines, result.moves, result.settings.raft_layers) if outlines else None
@@ -270,7 +270,7 @@ def _replace_strands(collection: bpy.types.Collection, new: list[bpy.types.Objec
         made.name = made.data.name = f"{name} {made[STRANDS_KEY]}"
 
 
-def _bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> FloatArray:
+def bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> FloatArray:
     """(3,) mm, where the bed's origin lies in the world so that the print stands in its source's place."""
     with evaluated_mesh(source, bpy.context.evaluated_depsgraph_get()) as data:
         local = np.empty(len(data.vertices) * 3, dtype=np.float32)

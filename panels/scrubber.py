@@ -52,10 +52,10 @@ class DUALCOLOR_PT_scrubber(Tab, bpy.types.Panel):
         legend = self.layout.column(align=True)
         legend.scale_y = 0.8
         for text, colour in legend_of(view.colour_by):
-            legend.label(text=text, icon_value=_swatch(colour))
+            legend.label(text=text, icon_value=swatch(colour))
 
 
-def _swatch(colour: Colour) -> int:
+def swatch(colour: Colour) -> int:
     """Number of an icon in one colour."""
     held, key = _swatches[0], repr(colour)
     if key not in held:

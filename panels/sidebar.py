@@ -9,6 +9,7 @@ import bpy
 from ..bridge.curves import source_of
 from ..bridge.mesh_input import WITH_SURFACE
 from ..bridge.plate import objects_to_print
+from .analysis import PANELS as ANALYSIS_PANELS
 from .paint import DUALCOLOR_PT_paint
 from .predict import DUALCOLOR_PT_predict
 from .prepare import DUALCOLOR_PT_prepare
@@ -84,6 +85,7 @@ PANELS = (
     DUALCOLOR_PT_prepare,
     DUALCOLOR_PT_paint,
     DUALCOLOR_PT_pattern,
+    *ANALYSIS_PANELS,
     *PRINT_PANELS,
     DUALCOLOR_PT_predict,
     DUALCOLOR_PT_scrubber,

@@ -12,7 +12,7 @@ from ..settings import PrintSettings
 from .slopes import DEGRADED_DEG, GONE_DEG, FaceContrast
 
 SUPPORT_WEIGHT, HEIGHT_WEIGHT, STANDING_WEIGHT = 0.4, 0.1, 0.15
-"""What support over half the surface, twice the least height, and standing on a tip cost against all contrast."""
+"""What support over half the surface, the greatest height of all, and standing on a tip cost against all contrast."""
 
 CANDIDATES = 8
 _FLAT_FACES = 12
@@ -34,7 +34,8 @@ class Orientation:
         support_mm2: area of overhangs that need support, seen from below.
         height_mm: of the object.
         bed_mm2: area of the faces that lie on the bed.
-        foot_mm: width of what stands on the bed, where it is narrowest.
+        foot_mm: twice the way from below the middle of the surface to the border of what stands on the bed; 0 if the
+            object would fall over.
         score: the greater, the better.
     """
 
@@ -68,8 +69,9 @@ def suggested(mesh: TriangleMesh, paint: FaceContrast, settings: PrintSettings) 
     contrast = _shown(lean, paint)
     support, bed = _supported(mesh, paint, lean, along, low, settings)
     score = contrast - SUPPORT_WEIGHT * support / max(paint.area.sum() / 2, 1e-12)
-    score -= HEIGHT_WEIGHT * (height / height.min() - 1.0)
-    foot = np.array([_foot(mesh, up, heights) for up, heights in zip(ups, along.T, strict=True)])
+    score -= HEIGHT_WEIGHT * height / height.max()
+    middle = np.average(mesh.vertices[mesh.faces].mean(axis=1), axis=0, weights=np.maximum(paint.area, 1e-12))
+    foot = np.array([_foot(mesh, middle, up, heights) for up, heights in zip(ups, along.T, strict=True)])
     score -= STANDING_WEIGHT * np.clip(1.0 - foot / (_STEADY_RATIO * height), 0.0, 1.0)
     order = np.argsort(-score, kind="stable")
     order = order[fits[order]]
@@ -150,11 +152,12 @@ def _supported(
     return (seen * hangs).sum(axis=0), (seen * (on_bed & (-lean > 0.9))).sum(axis=0)
 
 
-def _foot(mesh: TriangleMesh, up: FloatArray, heights: FloatArray) -> float:
-    """Narrowest width, mm, of the vertices right above the bed, by eight directions."""
-    low = mesh.vertices[heights < heights.min() + _FOOT_MM] @ upright(up)[:2].T
+def _foot(mesh: TriangleMesh, middle: FloatArray, up: FloatArray, heights: FloatArray) -> float:
+    """See `Orientation.foot_mm`; of the vertices right above the bed, seen along eight directions."""
     turn = np.arange(8) * (np.pi / 8)
-    return float(np.ptp(low @ np.stack([np.cos(turn), np.sin(turn)]), axis=0).min())
+    sideways = upright(up)[:2].T @ np.stack([np.cos(turn), np.sin(turn)])
+    low = (mesh.vertices[heights < heights.min() + _FOOT_MM] - middle) @ sideways
+    return 2.0 * max(float(np.minimum(low.max(axis=0), -low.min(axis=0)).min()), 0.0)
 
 
 def _fits(mesh: TriangleMesh, up: FloatArray, settings: PrintSettings) -> bool:

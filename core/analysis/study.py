@@ -96,7 +96,7 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
     yield 0.1, "slopes"
     paint = face_contrast(mesh, pyramids, settings)
     yield 0.2, "orientations"
-    orientations = suggested(mesh, paint, settings)
+    ranked = suggested(mesh, paint, settings)
     yield 0.3, "slicing"
     cut = slices(mesh, settings)
     yield 0.4, "contours"
@@ -124,14 +124,25 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
         "faded": _faded_report(lines, faded),
         "too_short": {"outlines": int(too_short.sum()), "of": len(lines.layer)},
         "slopes": slopes,
-        "orientations": [one.as_dict() for one in orientations],
+        "orientations": [one.as_dict() for one in ranked],
     }
     warnings = ([] if waves else [NO_SEAMS]) + slope_warnings(slopes)
     report["warnings"] = warnings
     return Analysis(
-        settings, mesh, cut.layers, lines, samples, errors, traced, faded, too_short, paint, orientations, report,
+        settings, mesh, cut.layers, lines, samples, errors, traced, faded, too_short, paint, ranked, report,
         warnings,
     )  # fmt: skip
+
+
+def orientations(model: SurfaceModel, settings: PrintSettings) -> list[Orientation]:
+    """Ways to stand a model on the bed, the best one first, without the rest of the analysis.
+
+    Raises:
+        PrintError: the input cannot be printed.
+    """
+    mesh = triangulate(model, settings)
+    pyramids = build_pyramids(mesh, model.textures, 2 * settings.layer_height, settings.texture_filter)
+    return suggested(mesh, face_contrast(mesh, pyramids, settings), settings)
 
 
 def faded_share(lines: Contours, tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings) -> FloatArray:

@@ -1,0 +1,63 @@
+"""Analyse Pattern, and take its overlays away."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..bridge.curves import source_of
+from ..bridge.orientations import keep_orientations
+from ..bridge.overlays import overlays_of, remove_analysis, show_analysis
+from ..bridge.plate import plate_model
+from ..bridge.properties import to_settings
+from ..core.analysis.study import analysis_steps
+from .generate import has_printable
+from .job import JobOperator, Steps
+
+
+class DUALCOLOR_OT_analyse(JobOperator, bpy.types.Operator):
+    """Show the pattern's seams, its tracelines and slopes too flat for tones on the object"""
+
+    bl_idname = "dualcolor.analyse"
+    bl_label = "Analyse Pattern"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """An object with a surface is needed."""
+        return has_printable(cls, context)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """Analyse the active object alone."""
+        yield 0.0, "reading the object"
+        obj = source_of(context.object)
+        settings = to_settings(obj.dualcolor)
+        model = plate_model([obj], context.evaluated_depsgraph_get(), settings, [obj.dualcolor.image])
+        found = yield from analysis_steps(model, settings)
+        show_analysis(found, obj)
+        keep_orientations(obj, found.orientations)
+        for warning in found.warnings:
+            self.report({"WARNING"}, warning)
+        pattern = found.report["pattern"]
+        return f"{obj.name}: {pattern['salient']:.2%} salient seams" if pattern else f"{obj.name}: no waves, no seams"
+
+
+class DUALCOLOR_OT_remove_analysis(bpy.types.Operator):
+    """Take the overlays of the analysis away"""
+
+    bl_idname = "dualcolor.remove_analysis"
+    bl_label = "Remove Analysis"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """An analysis is needed."""
+        obj = source_of(context.object)
+        return obj is not None and overlays_of(obj) is not None
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Remove it."""
+        remove_analysis(source_of(context.object))
+        return {"FINISHED"}
+
+
+OPERATORS = (DUALCOLOR_OT_analyse, DUALCOLOR_OT_remove_analysis)

@@ -1,0 +1,265 @@
+"""The analysis on shapes whose seams, tracelines, slopes and best orientation are known."""
+
+import numpy as np
+import pytest
+from dualcolor.core.analysis.figures import heatmap, slope_picture, traceline_picture
+from dualcolor.core.analysis.orientation import directions, suggested, upright
+from dualcolor.core.analysis.overlay import (
+    BIRTH_COLOUR,
+    HEAT_COLOURS,
+    HEAT_STOPS,
+    heat_class,
+    heat_colours,
+    heat_curves,
+    stretches,
+    trace_curves,
+)
+from dualcolor.core.analysis.picture import Stroke, dots, draw
+from dualcolor.core.analysis.slopes import face_contrast, slope_report, slope_warnings
+from dualcolor.core.analysis.study import NO_SEAMS, analyse, faded_share
+from dualcolor.core.analysis.surface_points import points_on_faces
+from dualcolor.core.errors import PrintError
+from dualcolor.core.mesh import triangulate
+from dualcolor.core.pattern.quality import SeamErrors
+from dualcolor.core.pattern.wave import places
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.texture.pyramid import build_pyramids
+from dualcolor.tests.solids import box, cylinder, lathe, surface
+
+WAVE = PrintSettings(pattern="wave", offset_max=0.0, sampling="paper")
+FRONT = (0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def tube():
+    return analyse(cylinder(radius=10, height=5), WAVE)
+
+
+@pytest.fixture(scope="module")
+def funnel():
+    """45° steep, wider at the top."""
+    return analyse(lathe([[5, 0], [10, 5]]), WAVE)
+
+
+def plate(tones, turn=None, size=(40.0, 40.0, 4.0)):
+    """A plate whose upper side is a grid of squares of `tones` (R, C); its other sides are grey."""
+    rows, columns = tones.shape
+    x, y = np.linspace(0, size[0], columns + 1), np.linspace(0, size[1], rows + 1)
+    vertices, faces, tone = [], [], []
+    for row in range(rows):
+        for column in range(columns):
+            first = len(vertices)
+            for u, v in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                vertices.append([x[column + u], y[row + v], size[2]])
+            faces += [[first, first + 1, first + 2], [first, first + 2, first + 3]]
+            tone += [tones[row, column]] * 6
+    rest = box((0, 0, 0), size)
+    corners = rest.corner_vertex.reshape(-1, 3)
+    corners = corners[~(rest.vertices[corners][..., 2] == size[2]).all(axis=1)]
+    faces = np.concatenate([faces, corners + len(vertices)])
+    tone = np.concatenate([tone, np.full(corners.size, 0.5)])
+    vertices = np.concatenate([vertices, rest.vertices])
+    return surface(vertices if turn is None else vertices @ turn.T, faces, tone=tone)
+
+
+def contrast_of(model, settings=WAVE):
+    mesh = triangulate(model, settings)
+    return mesh, face_contrast(mesh, build_pyramids(mesh, model.textures, 0.5, "trilinear"), settings)
+
+
+def about_x(degrees):
+    cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
+
+
+def test_a_cylinder_has_no_error_and_straight_tracelines(tube):
+    pattern = tube.report["pattern"]
+    assert pattern["error_free"] == 1.0 and pattern["discarded_probes"] == 0
+    assert pattern["histogram"]["counts"][0] == pattern["probes"] > 0
+    traced = tube.traced
+    assert not traced.birth.any() and not traced.death.any()
+    assert (np.diff(traced.start) == len(tube.layers)).all()
+    curves = trace_curves(tube.lines, tube.layers.plane, tube.samples, traced)
+    ways = curves.points.reshape(-1, len(tube.layers), 3)
+    assert np.abs(ways[:, :, :2] - ways[:, :1, :2]).max() < 0.02
+    assert np.hypot(*ways[..., :2].T) == pytest.approx(10.05, abs=0.02)
+    assert (ways[0, :, 2] == tube.layers.plane).all()
+
+
+def test_births_and_deaths_make_up_for_what_a_funnel_gains(funnel):
+    count = np.bincount(funnel.lines.layer[funnel.samples.loop])
+    report = funnel.report["tracelines"]
+    assert report["births"] - report["deaths"] == count[-1] - count[0] > 10
+    assert report["tracelines"] == count[0] + report["births"]
+    upside_down = analyse(lathe([[10, 0], [5, 5]]), WAVE).report["tracelines"]
+    assert upside_down["deaths"] > 10 and upside_down["longest_layers"] == len(funnel.layers)
+
+
+def test_tracelines_hold_each_sample_once_and_climb_layer_by_layer(funnel):
+    traced = funnel.traced
+    assert np.array_equal(np.sort(traced.sample), np.arange(len(funnel.samples.arc)))
+    layer = funnel.lines.layer[funnel.samples.loop[traced.sample]]
+    inside = np.ones(len(layer) - 1, dtype=bool)
+    inside[traced.start[1:-1] - 1] = False
+    assert (np.diff(layer)[inside] == 1).all()
+
+
+def test_what_begins_on_nothing_is_no_birth():
+    """A mushroom: the rim of its hat hangs in the air, so its lines begin there, but none is born."""
+    found = analyse(lathe([[4, 0], [4, 3], [10, 3], [10, 6]]), WAVE)
+    report = found.report["tracelines"]
+    count = np.bincount(found.lines.layer[found.samples.loop])
+    assert report["births"] == report["deaths"] == 0
+    assert report["tracelines"] == count[0] + count[-1]
+    assert found.report["pattern"]["discarded_probes"] > 0
+
+
+def test_classes_and_colours_of_errors():
+    assert heat_class(np.array([0.0, 0.049, 0.05, 1.4, 1.5, 3.0, 4.0])).tolist() == [-1, -1, 0, 1, 1, 2, 3]
+    assert heat_colours(np.array(HEAT_STOPS)) == pytest.approx(np.array(HEAT_COLOURS))
+
+
+def test_seams_are_where_tracelines_begin(funnel):
+    seams, discarded = heat_curves(funnel.lines, funnel.layers.plane, funnel.errors)
+    assert len(discarded.points) == 0 and len(seams[-1].points) > 0
+    lines, plane = funnel.lines, funnel.layers.plane
+    born = funnel.lines.layer[funnel.samples.loop[funnel.traced.birth]]
+    heights = np.unique(seams[-1].points[:, 2])
+    assert np.isin(heights, np.concatenate([plane[born], plane[born - 1]])).all()
+    unseen = SeamErrors(funnel.errors.arc, np.full(len(funnel.errors.arc), np.nan))
+    seams, discarded = heat_curves(lines, plane, unseen)
+    assert not any(len(curves.points) for curves in seams) and len(discarded.points) > 0
+
+
+def test_curves_cover_what_is_shown_and_nothing_else(tube):
+    lines, plane = tube.lines, tube.layers.plane
+    arc, _ = places(lines, 0.25)
+    whole = stretches(lines, plane, arc, np.ones(len(arc), dtype=bool), np.zeros(len(arc)))
+    assert len(whole.start) - 1 == len(lines.layer)
+    length = np.linalg.norm(np.diff(whole.points, axis=0), axis=1)
+    length[whole.start[1:-1] - 1] = 0
+    assert length.sum() == pytest.approx(2 * np.pi * 10.05 * len(plane), rel=2e-3)
+    shown = np.arange(len(arc)) % 10 < 3
+    some = stretches(lines, plane, arc, shown, np.arange(len(arc)))
+    assert np.array_equal(np.unique(some.value), np.flatnonzero(shown))
+    assert np.diff(some.start).max() == 4
+
+
+def test_offset_says_that_it_has_no_seams():
+    found = analyse(cylinder(height=2), PrintSettings())
+    assert found.errors is None and found.traced is None and found.warnings == [NO_SEAMS]
+    assert found.report["pattern"] is None and found.report["orientations"]
+    with pytest.raises(PrintError, match="no waves"):
+        heatmap(found, FRONT)
+    assert slope_picture(found, FRONT, 100).shape[2] == 3
+
+
+def test_waves_fade_where_walls_are_thin_only():
+    thick, thin = (
+        analyse(box((0, 0, 0), (20, depth, 3)), WAVE).report["faded"]["share"] for depth in (20.0, 1.0)
+    )  # fmt: skip
+    assert thick < 0.02 and thin > 0.9
+
+
+def test_flat_layers_are_not_faded(tube):
+    settings = WAVE.changed({"flat_layers": 5})
+    faded = faded_share(tube.lines, np.full(len(tube.lines.arc), 0.5), np.zeros(len(tube.lines.arc)), settings)
+    assert not faded.any()
+
+
+@pytest.mark.parametrize(("degrees", "degraded", "gone"), [(10.0, 0, 1), (25.0, 1, 0), (35.0, 0, 0)])
+def test_share_of_contrast_on_a_slanted_plate_is_exact(degrees, degraded, gone):
+    """White above, grey elsewhere: with white share w of the area, half of all contrast is above."""
+    mesh, paint = contrast_of(plate(np.ones((1, 1)), about_x(degrees)))
+    above, area = 1600.0, 2 * 1600.0 + 4 * 160.0
+    white = above / area
+    assert paint.area.sum() == pytest.approx(area)
+    assert paint.mean == pytest.approx(2 * white * (1 - white) * 0.5)
+    report = slope_report(mesh, paint)
+    below = (white * 0.5 * above) / (paint.mean * area)  # the grey underside is as flat
+    sides = degrees > 60
+    assert report["contrast_degraded"] == pytest.approx(degraded * (0.5 + below) + sides)
+    assert report["contrast_gone"] == pytest.approx(gone * (0.5 + below))
+    assert report["area_gone"] == pytest.approx(gone * 3200 / area)
+    assert bool(slope_warnings(report)) == bool(gone)
+
+
+def test_nothing_painted_is_no_contrast():
+    mesh, paint = contrast_of(box((0, 0, 0), (10, 10, 10)))
+    assert paint.mean == 0 and slope_report(mesh, paint)["contrast_gone"] == 0.0
+
+
+def test_a_painted_plate_that_lies_is_put_upright():
+    checks = np.indices((4, 4)).sum(axis=0) % 2.0
+    found = suggested(*contrast_of(plate(checks)), WAVE)
+    assert abs(found[0].up[2]) < 0.1 and found[0].contrast > 0.99
+    assert found[0].height_mm == pytest.approx(40.0)
+    (lying,) = [one for one in found if one.up == (0.0, 0.0, 1.0)]
+    assert lying.contrast < 0.05 and lying.height_mm == pytest.approx(4.0)
+    standing = suggested(*contrast_of(plate(checks, about_x(90.0))), WAVE)
+    assert standing[0].up == (0.0, 0.0, 1.0)
+
+
+def test_what_is_painted_evenly_lies_on_its_largest_face():
+    found = suggested(*contrast_of(box((0, 0, 0), (40, 4, 40))), WAVE)
+    assert np.abs(found[0].up[1]) == pytest.approx(1.0)
+    assert found[0].support_mm2 == 0 and found[0].bed_mm2 == pytest.approx(1600.0)
+
+
+def test_overhangs_count_as_support():
+    """A mushroom needs support below the rim of its hat; upside down it needs none."""
+    mesh, paint = contrast_of(lathe([[4, 0], [4, 20], [15, 20], [15, 25]], sides=192))
+    found = {one.up: one for one in suggested(mesh, paint, WAVE)}
+    rim = np.pi * (15**2 - 4**2)
+    assert found[(0.0, 0.0, 1.0)].support_mm2 == pytest.approx(rim, rel=1e-3)
+    best = suggested(mesh, paint, WAVE)[0]
+    assert best.up[2] == pytest.approx(-1.0) and best.support_mm2 == 0.0
+
+
+def test_orientations_that_do_not_fit_are_left_out():
+    mesh, paint = contrast_of(plate(np.indices((4, 4)).sum(axis=0) % 2.0, size=(180.0, 60.0, 6.0)))
+    for one in suggested(mesh, paint, WAVE):
+        assert one.height_mm <= WAVE.printer_profile.reach_max[2]
+
+
+def test_directions_differ_and_turn_upright():
+    ups = directions(*contrast_of(plate(np.zeros((2, 2)), about_x(17.0))))
+    assert (ups[0] == [0, 0, 1]).all() and len(ups) > 26
+    assert np.linalg.norm(ups, axis=1) == pytest.approx(1.0)
+    assert (np.triu(ups @ ups.T, 1) < np.cos(np.radians(4.9))).all()
+    for up in ups:
+        turn = upright(up)
+        assert turn @ up == pytest.approx([0, 0, 1], abs=1e-9)
+        assert turn @ turn.T == pytest.approx(np.eye(3), abs=1e-9) and np.linalg.det(turn) == pytest.approx(1.0)
+
+
+def test_places_on_faces_stand_for_all_of_their_area():
+    corners = np.array([[[0, 0, 0], [30, 0, 0], [0, 20, 0]], [[0, 0, 0], [100, 0, 0], [100, 0.2, 0]]], dtype=float)
+    on = points_on_faces(corners, 0.5)
+    assert np.bincount(on.face, on.weight) == pytest.approx(1.0)
+    assert on.share.min() > 0 and on.share.sum(axis=1) == pytest.approx(1.0)
+    middle = np.stack([np.bincount(on.face, on.weight * on.share[:, corner]) for corner in range(3)], axis=1)
+    assert middle == pytest.approx(1 / 3, abs=1e-3)
+    assert np.bincount(on.face)[1] < 300
+
+
+def test_pictures_hide_what_lies_behind():
+    mesh = triangulate(box((0, 0, 0), (10, 10, 10)), WAVE)
+    low, high = mesh.bounds
+    middle = (low + high) / 2
+    plain = draw(mesh, [], FRONT, 100)
+    front, back = ([[middle[0], y, middle[2]]] for y in (low[1], high[1]))
+    behind = draw(mesh, [Stroke(dots(np.array(back)), (1.0, 0.0, 0.0), 4.0)], FRONT, 100)
+    before = draw(mesh, [Stroke(dots(np.array(front)), (1.0, 0.0, 0.0), 4.0)], FRONT, 100)
+    assert np.array_equal(behind, plain)
+    assert before[before.shape[0] // 2, before.shape[1] // 2].tolist() == [255, 0, 0]
+    assert np.array_equal(draw(mesh, [Stroke(dots(np.array(back)), (1.0, 0.0, 0.0), 4.0)], (180.0, 0.0), 100), before)
+    assert plain[0, 0].tolist() == [255, 255, 255] and plain[50, 50].max() < 250
+
+
+def test_pictures_show_seams_and_births(funnel):
+    seams, traced = (picture(funnel, (0.0, 8.0), 300) for picture in (heatmap, traceline_picture))
+    for picture, colour in ((seams, HEAT_COLOURS[-1]), (traced, BIRTH_COLOUR)):
+        near = np.abs(picture[:-60].astype(float) - 255 * np.array(colour)).max(axis=2) < 20
+        assert near.sum() > 5
+    assert np.array_equal(seams, heatmap(funnel, (0.0, 8.0), 300))
