@@ -15,9 +15,15 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 SUBDIVISIONS = 7
-ICOSPHERE_HEIGHT_MM = 108.25
-GARGOYLE_HEIGHT_MM = 102.0
 TEXELS = 2048
+# File in the folder of the test data, "" for one that is made here, and mm that the model is printed high.
+MODELS = {
+    "gargoyle": ("meshes/nc/gargoyle.obj", 102.0),
+    "spot": ("meshes/spot/spot.obj", 80.0),
+    "benchy": ("meshes/3DBenchy.ply", 48.0),
+    "gutenberg": ("meshes/gutenberg/Gutenberg.obj", 80.0),
+    "icosphere": ("", 108.25),
+}
 
 
 def obj_triangles(path: Path) -> tuple[Floats, Integers]:
@@ -26,6 +32,16 @@ def obj_triangles(path: Path) -> tuple[Floats, Integers]:
     points = np.array([row[1:4] for row in rows if row[:1] == ["v"]], dtype=np.float64)
     corners = [[int(corner.split("/")[0]) - 1 for corner in row[1:4]] for row in rows if row[:1] == ["f"]]
     return np.column_stack([points[:, 0], -points[:, 2], points[:, 1]]), np.array(corners, dtype=np.int64)
+
+
+def ply_triangles(path: Path) -> tuple[Floats, Integers]:
+    """Vertices (V, 3) and triangles (F, 3) of a binary PLY file with nothing else in it."""
+    head, _, data = path.read_bytes().partition(b"end_header\n")
+    sizes = {line.split()[1]: int(line.split()[2]) for line in head.decode().splitlines() if line[:8] == "element "}
+    points = np.frombuffer(data, dtype="<f4", count=3 * sizes["vertex"]).reshape(-1, 3)
+    record = np.dtype([("sides", "u1"), ("corners", "<i4", 3)])
+    faces = np.frombuffer(data, dtype=record, count=sizes["face"], offset=points.nbytes)
+    return points.astype(np.float64), faces["corners"].astype(np.int64)
 
 
 def icosphere(subdivisions: int) -> tuple[Floats, Integers]:
@@ -89,13 +105,14 @@ def write_stl(path: Path, points: Floats, faces: Integers) -> None:
 
 
 def main(name: str, source: str, folder: Path) -> None:
-    """Write the arrays and the STL of a model; `source` is the gargoyle's file."""
-    if name == "gargoyle":
-        points, faces = obj_triangles(Path(source))
-        points = scaled(points, GARGOYLE_HEIGHT_MM)
-    else:
+    """Write the arrays and the STL of a model; `source` is its file."""
+    if name == "icosphere":
         points, faces = bumpy_sphere(SUBDIVISIONS)
-        points = scaled(points, ICOSPHERE_HEIGHT_MM)
+    elif source.endswith(".ply"):
+        points, faces = ply_triangles(Path(source))
+    else:
+        points, faces = obj_triangles(Path(source))
+    points = scaled(points, MODELS[name][1])
     np.savez(folder / f"{name}.npz", points=points, faces=faces, uv=wrapped_uv(points, faces), tone=picture())
     write_stl(folder / f"{name}.stl", points, faces)
 

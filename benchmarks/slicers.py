@@ -1,11 +1,12 @@
-"""How fast the dual-colour job is beside a common slicer that prints the same shape in one colour.
+"""How fast the dual-colour job is beside common slicers that print the same shape in one colour.
 
-    python benchmarks/slicers.py [--repeat N] [--model NAME] [--data FOLDER] [--json FILE]
+    python benchmarks/slicers.py [--repeat N] [--model NAME] [--data FOLDER] [--cura-definitions FOLDER] [--supports]
+                                 [--json FILE] [--write]
 
-Ours: from mesh arrays in memory to a written G-code file, textured, two colours. The other one: PrusaSlicer, from an
-STL file to a written G-code file, in one colour, with the same layers, walls, skins, infill and skirt. Both run
-alternately, each in a process of its own; ours once more with supports, and X3G beside the G-code. Without
-`prusa-slicer` only ours is measured; without the gargoyle's file only the sphere.
+Ours: from mesh arrays in memory to a written G-code file, textured, two colours. The others, PrusaSlicer and
+CuraEngine: from an STL file to a written G-code file, in one colour, with the same layers, walls, skins, infill and
+skirt. They run in turns, each in a process of its own. What is not installed is left out, as are models whose files are
+not there.
 """
 
 from __future__ import annotations
@@ -17,19 +18,22 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 from time import perf_counter
 from typing import Any
 
 HERE = Path(__file__).resolve().parent
-DATA = HERE.parent.parent / "shared" / "data"
-MODELS = ("gargoyle", "icosphere")
-# Where the picture becomes the pattern: what a slicer does not have.
-PATTERN_STAGES = ("contours", "sampling", "texture", "tone", "modulation")
-# The same sums without the filtered contours, which are the outlines that any slicer needs.
-TONE_STAGES = ("sampling", "texture", "tone", "modulation")
+sys.path.insert(0, str(HERE.parent))
+from benchmarks.models import MODELS  # noqa: E402
 
+DATA = HERE.parent.parent / "shared" / "data"
+README = HERE / "README.md"
+DEFINITIONS = Path("/usr/share/cura/resources/definitions")
+BEGIN, END = "<!-- race begins -->\n", "<!-- race ends -->"
+# Where the picture becomes the pattern: what a slicer does not have.
+PATTERN_STAGES = ("sampling", "texture", "tone", "modulation")
 PRUSA_OPTIONS = {
     "layer-height": "0.25",
     "first-layer-height": "0.25",
@@ -46,122 +50,212 @@ PRUSA_OPTIONS = {
     "bed-shape": "-125x-125,125x-125,125x125,-125x125",
     "center": "0,0",
 }
+# What the definition of the printer works out from others only in Cura's own window is given here.
+CURA_SETTINGS = {
+    "machine_width": 250,
+    "machine_depth": 250,
+    "machine_height": 200,
+    "machine_center_is_zero": "true",
+    "layer_height": 0.25,
+    "layer_height_0": 0.25,
+    "wall_line_count": 2,
+    "wall_thickness": 0.8,
+    "top_layers": 3,
+    "bottom_layers": 3,
+    "infill_sparse_density": 10,
+    "infill_line_distance": 4,
+    "infill_pattern": "lines",
+    "adhesion_type": "skirt",
+    "skirt_gap": 6,
+    **dict.fromkeys(("line_width", "wall_line_width", "wall_line_width_0", "wall_line_width_x", "skin_line_width",
+                     "infill_line_width", "skirt_brim_line_width"), 0.4),
+}  # fmt: skip
+TITLES = {"ours": "ours", "supported": "+ supports, X3G", "prusa": "PrusaSlicer", "cura": "CuraEngine"}
+START = """
+import sys, time
+sys.path.insert(0, {root!r})
+import bpy
+from launcher import load_package
+began = time.process_time()
+package = load_package()
+package.register()
+print(time.process_time() - began)
+"""
 
 Run = dict[str, Any]
+Runs = dict[str, list[Run]]
 
 
 def main() -> int:
     """Measure the models asked for and print the tables."""
-    parser = argparse.ArgumentParser(description="Compare the dual-colour job with PrusaSlicer in one colour.")
+    parser = argparse.ArgumentParser(description="Compare the dual-colour job with slicers that print in one colour.")
     parser.add_argument("--repeat", type=int, default=5, metavar="N", help="repetitions (default: 5)")
-    parser.add_argument("--model", choices=MODELS, action="append", help="only this model; repeatable")
-    parser.add_argument("--data", type=Path, default=DATA, metavar="FOLDER", help="holds meshes/nc/gargoyle.obj")
+    parser.add_argument("--model", choices=tuple(MODELS), action="append", help="only this model; repeatable")
+    parser.add_argument("--data", type=Path, default=DATA, metavar="FOLDER", help="holds meshes/")
+    parser.add_argument("--cura-definitions", type=Path, default=DEFINITIONS, metavar="FOLDER", help="of fdmprinter")
+    parser.add_argument("--supports", action="store_true", help="a second run of ours with supports and X3G")
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write all runs")
+    parser.add_argument("--write", action="store_true", help="replace the table in README.md")
     args = parser.parse_args()
-    slicer = shutil.which("prusa-slicer")
-    if slicer is None:
-        print("prusa-slicer is not installed: measuring ours alone")
-    runs = {}
+    runs: dict[str, Runs] = {}
     with tempfile.TemporaryDirectory() as folder:
+        programs = contenders(Path(folder), args.cura_definitions, args.supports)
+        print("measured:", ", ".join(TITLES[name] for name in programs))
         for name in args.model or MODELS:
-            source = args.data / "meshes" / "nc" / "gargoyle.obj"
-            if name == "gargoyle" and not source.is_file():
-                print(f"{source} is not here: skipping the gargoyle")
+            source = args.data / MODELS[name][0]
+            if MODELS[name][0] and not source.is_file():
+                print(f"{source} is not here: skipping {name}")
                 continue
             subprocess.run([sys.executable, str(HERE / "models.py"), name, str(source), folder], check=True)
-            runs[name] = measured(name, Path(folder), slicer, args.repeat)
+            runs[name] = measured(name, programs, args.repeat)
             print_tables(name, runs[name])
+    started = start_seconds()
+    print(f"\nimport and registration of the extension: {started:.2f} s")
     if args.json:
         args.json.write_text(json.dumps(runs, indent=1) + "\n", encoding="utf-8")
+    if args.write:
+        before, _, rest = README.read_text(encoding="utf-8").partition(BEGIN)
+        after = rest.partition(END)[2]
+        README.write_text(before + BEGIN + markdown(runs, started) + END + after, encoding="utf-8")
     return 0
 
 
-def measured(name: str, folder: Path, slicer: str | None, repeat: int) -> dict[str, list[Run]]:
-    """All runs of both programs, taken in turns; a first run of each, which fills the disk cache, is left out."""
-    ours, theirs, supported = [], [], []
-    for _ in range(repeat + 1):
-        ours.append(run_ours(folder / f"{name}.npz", folder / "ours.gcode"))
-        supported.append(run_ours(folder / f"{name}.npz", folder / "ours.gcode", folder / "ours.x3g"))
-        if slicer:
-            theirs.append(run_prusa(slicer, folder / f"{name}.stl", folder / "theirs.gcode"))
-    return {"ours": ours[1:], "supported": supported[1:], "prusa": theirs[1:]}
+def contenders(folder: Path, definitions: Path, supports: bool) -> dict[str, Callable[[str], Run]]:
+    """What is installed: by name a function that runs it on a model in the folder."""
+    programs: dict[str, Callable[[str], Run]] = {"ours": lambda name: run_ours(folder, name, False)}
+    if supports:
+        programs["supported"] = lambda name: run_ours(folder, name, True)
+    if slicer := shutil.which("prusa-slicer"):
+        programs["prusa"] = lambda name: run_prusa(slicer, folder, name)
+    if (engine := shutil.which("CuraEngine")) and (definitions / "fdmprinter.def.json").is_file():
+        programs["cura"] = lambda name: run_cura(engine, definitions, folder, name)
+    return programs
 
 
-def run_ours(model: Path, gcode: Path, x3g: Path | None = None) -> Run:
-    """One job of ours; with supports if an X3G file is to be written too."""
-    command = [sys.executable, str(HERE / "job.py"), str(model), str(gcode), *([str(x3g)] if x3g else [])]
+def measured(name: str, programs: dict[str, Callable[[str], Run]], repeat: int) -> Runs:
+    """All runs of all programs, taken in turns."""
+    runs: Runs = {program: [] for program in programs}
+    for _ in range(repeat):
+        for program, run in programs.items():
+            runs[program].append(run(name))
+    return runs
+
+
+def run_ours(folder: Path, name: str, supports: bool) -> Run:
+    """One job of ours; with supports and an X3G file too if wished."""
+    files = [folder / f"{name}.npz", folder / "ours.gcode", *([folder / "ours.x3g"] if supports else [])]
+    command = [sys.executable, str(HERE / "job.py"), *map(str, files)]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
     figures: Run = json.loads(done.stdout)
-    return figures
+    return figures | {"bytes": files[1].stat().st_size}
 
 
-def run_prusa(slicer: str, model: Path, gcode: Path) -> Run:
+def run_prusa(slicer: str, folder: Path, name: str) -> Run:
     """One run of PrusaSlicer, the start of its process included."""
+    options = [f"--{key}={value}" for key, value in PRUSA_OPTIONS.items()]
+    gcode = folder / "prusa.gcode"
+    command = [slicer, "--export-gcode", *options, "--output", str(gcode), str(folder / f"{name}.stl")]
+    return timed(command, gcode, b";LAYER_CHANGE")
+
+
+def run_cura(engine: str, definitions: Path, folder: Path, name: str) -> Run:
+    """One run of CuraEngine, the start of its process included."""
+    options = [text for key, value in CURA_SETTINGS.items() for text in ("-s", f"{key}={value}")]
+    gcode = folder / "cura.gcode"
+    command = [engine, "slice", "-j", str(definitions / "fdmprinter.def.json"), *options]
+    command += ["-l", str(folder / f"{name}.stl"), "-o", str(gcode)]
+    search = f"{definitions}:{definitions.parent / 'extruders'}"
+    return timed(command, gcode, b";LAYER:", os.environ | {"CURA_ENGINE_SEARCH_PATH": search})
+
+
+def timed(command: list[str], gcode: Path, layer_mark: bytes, environment: dict[str, str] | None = None) -> Run:
+    """Figures of a slicer's run."""
     began = perf_counter()
-    options = [f"--{name}={value}" for name, value in PRUSA_OPTIONS.items()]
-    command = [slicer, "--export-gcode", *options, "--output", str(gcode), str(model)]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
     _, status, used = os.wait4(process.pid, 0)
     wall = perf_counter() - began
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
-        raise RuntimeError(f"prusa-slicer ended with status {process.returncode}")
+        raise RuntimeError(f"{command[0]} ended with status {process.returncode}")
     peak = used.ru_maxrss / (1 << (20 if sys.platform == "darwin" else 10))
     text = gcode.read_bytes()
     return {
-        "wall_s": wall, "cpu_s": used.ru_utime + used.ru_stime, "peak_mb": peak,
-        "layers": text.count(b";LAYER_CHANGE"), "moves": text.count(b"\nG1 "),
+        "wall_s": wall, "cpu_s": used.ru_utime + used.ru_stime, "peak_mb": peak, "bytes": len(text),
+        "layers": text.count(layer_mark), "moves": text.count(b"\nG1 "),
     }  # fmt: skip
 
 
-def print_tables(name: str, runs: dict[str, list[Run]]) -> None:
+def start_seconds() -> float:
+    """Seconds of the processor that importing and registering the extension takes, median of five processes."""
+    script = START.format(root=str(HERE.parent))
+    with tempfile.TemporaryDirectory() as compiled:  # once for all, as an installed extension is
+        environment = os.environ | {"PYTHONPYCACHEPREFIX": compiled, "PYTHONDONTWRITEBYTECODE": ""}
+        command = [sys.executable, "-c", script]
+        done = [subprocess.run(command, capture_output=True, text=True, env=environment) for _ in range(6)][1:]
+    return median(float(each.stdout.split()[-1]) if not each.returncode else float("nan") for each in done)
+
+
+def ratio(runs: Runs, other: str, key: str) -> float:
+    """Ours through the other's, median over the pairs."""
+    return median(mine[key] / theirs[key] for mine, theirs in zip(runs["ours"], runs[other], strict=True))
+
+
+def of_all(runs: list[Run], key: str) -> float:
+    """The median of a figure."""
+    return float(median(run[key] for run in runs))
+
+
+def print_tables(name: str, runs: Runs) -> None:
     """The comparison, and where our time goes."""
-    ours, supported, theirs = runs["ours"], runs["supported"], runs["prusa"]
-    print(f"\n{name}: {ours[0]['layers']} layers, medians of {len(ours)} runs")
-    print(f"{'':17}{'wall s':>9}{'CPU s':>9}{'peak MB':>9}{'moves':>10}{'layers':>8}")
-    for title, rows in (("ours", ours), ("+ supports, X3G", supported), ("PrusaSlicer", theirs)):
-        if rows:
-            wall, cpu, peak = (median(row[key] for row in rows) for key in ("wall_s", "cpu_s", "peak_mb"))
-            print(f"{title:17}{wall:9.2f}{cpu:9.2f}{peak:9.0f}{rows[0]['moves']:10}{rows[0]['layers']:8}")
-    for title, rows in (("ratio", ours), ("ratio, + supports", supported)):
-        if theirs:
-            wall, cpu = (
-                median(mine[key] / other[key] for mine, other in zip(rows, theirs, strict=True))
-                for key in ("wall_s", "cpu_s")
-            )
-            print(f"{title:17}{wall:9.2f}{cpu:9.2f}   (ours / PrusaSlicer, median of the pairs)")
-    above = median(run["peak_mb"] - run["bare_mb"] for run in ours)
-    imports = median(run["import_s"] for run in ours)
-    print(
-        f"ours: memory above the bare interpreter {above:.0f} MB; importing the program, not counted, {imports:.2f} s"
-    )
-    print_stages(ours)
+    ours = runs["ours"]
+    print(f"\n{name}: medians of {len(ours)} runs")
+    print(f"{'':17}{'wall s':>9}{'CPU s':>9}{'peak MB':>9}{'MB':>7}{'moves':>10}{'layers':>8}")
+    for program, rows in runs.items():
+        wall, cpu, peak, size = (of_all(rows, key) for key in ("wall_s", "cpu_s", "peak_mb", "bytes"))
+        figures = f"{wall:9.2f}{cpu:9.2f}{peak:9.0f}{size / 1e6:7.1f}{rows[0]['moves']:10}{rows[0]['layers']:8}"
+        print(f"{TITLES[program]:17}{figures}")
+    for other in set(runs) & {"prusa", "cura"}:
+        print(f"ours / {TITLES[other]}: wall {ratio(runs, other, 'wall_s'):.2f}, CPU {ratio(runs, other, 'cpu_s'):.2f}")
+    print(", ".join(f"{stage} {share:.0%}" for stage, share in shares(ours).items()), flush=True)
 
 
-def print_stages(ours: list[Run]) -> None:
-    """Seconds and share of each stage; of the work beside them the seconds only."""
-    stages = {stage: median(run["stages_s"][stage] for run in ours) for stage in ours[0]["stages_s"]}
-    total = sum(stages.values())
-    print(f"{'stage':14}{'s':>9}{'share':>9}")
-    for stage, seconds in stages.items():
-        print(f"{stage:14}{seconds:9.2f}{seconds / total:9.0%}")
-    print(f"{'all':14}{total:9.2f}")
-    for work in ours[0]["beside_s"]:
-        print(f"in another thread: {work} {median(run['beside_s'][work] for run in ours):.2f} s")
-    for group in (TONE_STAGES, PATTERN_STAGES):
-        waited = median(spent(run["stages_s"], group) / spent(run["stages_s"]) for run in ours)
-        worked = median(both(run, group) / both(run) for run in ours)
-        print(f"{' + '.join(group)}: {waited:.0%} of the time, {worked:.0%} of the work in all threads")
+def shares(ours: list[Run]) -> dict[str, float]:
+    """Share of each stage in our time, medians."""
+    return {
+        stage: median(run["stages_s"][stage] / sum(run["stages_s"].values()) for run in ours)
+        for stage in ours[0]["stages_s"]
+    }
 
 
-def spent(seconds: dict[str, float], names: tuple[str, ...] | None = None) -> float:
-    """Sum of some entries, of all of them without `names`."""
-    return sum(value for name, value in seconds.items() if names is None or name in names)
-
-
-def both(run: Run, names: tuple[str, ...] | None = None) -> float:
-    """Seconds of stages and of work beside them."""
-    return spent(run["stages_s"], names) + spent(run["beside_s"], names)
+def markdown(runs: dict[str, Runs], started: float) -> str:
+    """The tables for README.md."""
+    others = [name for name in ("prusa", "cura") if name in next(iter(runs.values()))]
+    rounds = len(next(iter(runs.values()))["ours"])
+    lines = [f"Medians of {rounds} rounds; import and registration of the extension take {started:.2f} s.", ""]
+    heads = ["model", "ours, s", "of it pattern"]
+    heads += [f"{TITLES[name]}, s" for name in others]
+    heads += [f"time / {TITLES[name]}" for name in others] + [f"CPU time / {TITLES[name]}" for name in others]
+    heads += [f"MB held: {', '.join(TITLES[name] for name in ('ours', *others))}", "MB of G-code"]
+    lines += [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    for name, rows in runs.items():
+        part = shares(rows["ours"])
+        cells = [name, f"{of_all(rows['ours'], 'wall_s'):.1f}", f"{sum(part.get(s, 0) for s in PATTERN_STAGES):.0%}"]
+        cells += [f"{of_all(rows[other], 'wall_s'):.1f}" for other in others]
+        cells += [f"{ratio(rows, other, key):.2f}" for key in ("wall_s", "cpu_s") for other in others]
+        cells += [", ".join(f"{of_all(rows[each], key) / unit:.0f}" for each in ("ours", *others))
+                  for key, unit in (("peak_mb", 1), ("bytes", 1e6))]  # fmt: skip
+        lines.append(f"| {' | '.join(cells)} |")
+    stages = list(next(iter(runs.values()))["ours"][0]["stages_s"])
+    lines += [
+        "",
+        "Share of each stage in our time:",
+        "",
+        f"| | {' | '.join(stages)} |",
+        "|---" * (len(stages) + 1) + "|",
+    ]
+    for name, rows in runs.items():
+        lines.append(f"| {name} | {' | '.join(f'{share:.0%}' for share in shares(rows['ours']).values())} |")
+    return "\n".join([*lines, ""])
 
 
 if __name__ == "__main__":

@@ -10,13 +10,13 @@ import numpy as np
 
 from .errors import OutputError, PrintError
 from .files import reason
-from .gcode.numbers import WordArray, filament_words, word
+from .gcode.numbers import WordArray, filament_words, word, words
 from .model import IntArray
 from .tubes import SIDES, Rods, Tubes, count, tubes
 
 _STL_RECORD = [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
-_DIGITS = np.array([word(f"{n:04d}") for n in range(10_000)])
-_LEADING = np.array([word(str(n) if n else "") for n in range(10_000)])
+_DIGITS = words([f"{n:04d}" for n in range(10_000)])
+_LEADING = words([str(n) if n else "" for n in range(10_000)])
 
 
 def write_mesh(path: Path, rods: Rods) -> int:

@@ -23,18 +23,19 @@ def word(text: str) -> np.uint32:
     return np.uint32(np.frombuffer(text.encode("ascii").ljust(4, b"\0"), dtype=np.uint32)[0])
 
 
-def _table(texts: list[str]) -> WordArray:
-    return np.array([word(text) for text in texts], dtype=np.uint32)
+def words(texts: list[str]) -> WordArray:
+    """(N,) texts of up to four characters as words."""
+    return np.array(texts, dtype="S4").view(np.uint32)
 
 
-_SIGNED = _table([sign + str(n) for sign in ("", "-") for n in range(1000)])  # at 1000 × negative + n
-_SIGNED_OR_EMPTY = _table([sign + (str(n) if n else "") for sign in ("", "-") for n in range(1000)])
-_FRACTION = _table([f".{n:03d}" for n in range(1000)])
-_UNITS = _table([f"{n}." for n in range(1000)] + [f"{n:03d}." for n in range(1000)])  # at 1000 × padded + n
-_FOUR = _table([f"{n:04d}" for n in range(10000)])
-_PADDED = _table([f"{n:03d}" for n in range(1000)])
-_LEADING = _table([str(n) if n else "" for n in range(1000)])
-_LAST = _table([str(n) for n in range(10)])
+_SIGNED = words([sign + str(n) for sign in ("", "-") for n in range(1000)])  # at 1000 × negative + n
+_SIGNED_OR_EMPTY = words([sign + (str(n) if n else "") for sign in ("", "-") for n in range(1000)])
+_FRACTION = words([f".{n:03d}" for n in range(1000)])
+_UNITS = words([f"{n}." for n in range(1000)] + [f"{n:03d}." for n in range(1000)])  # at 1000 × padded + n
+_FOUR = words([f"{n:04d}" for n in range(10000)])
+_PADDED = words([f"{n:03d}" for n in range(1000)])
+_LEADING = words([str(n) if n else "" for n in range(1000)])
+_LAST = words([str(n) for n in range(10)])
 
 
 def coordinate_words(thousandths: IntArray) -> tuple[WordArray, WordArray]:
