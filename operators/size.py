@@ -10,7 +10,7 @@ from ..bridge.curves import source_of
 from ..bridge.units import mm_per_unit, use_millimetres
 from .generate import has_printable
 
-_USUAL_MM = 60.0
+_USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0
 
 
 class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
@@ -41,7 +41,9 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
         return True
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Ask for the height; a scene in metres is best changed at this moment."""
+        """Ask for the height, which is as it was if it can be; a scene in metres is best changed at this moment."""
+        now = float(np.ptp(bounds_mm([source_of(context.object)]), axis=0)[2])
+        self.height = now if _LEAST_MM < now <= _MOST_MM else _USUAL_MM
         self.scene_in_mm = mm_per_unit(context.scene) != 1.0
         return context.window_manager.invoke_props_dialog(self)
 

@@ -47,7 +47,7 @@ def _draw_size(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.
     row.label(text="Size")
     row.label(text=" × ".join(f"{side:.1f}" for side in size) + " mm")
     row = layout.row(align=True)
-    row.operator(DUALCOLOR_OT_scale_to_height.bl_idname, icon="FULLSCREEN_ENTER").height = max(1.0, min(size[2], 1000))
+    row.operator(DUALCOLOR_OT_scale_to_height.bl_idname, icon="FULLSCREEN_ENTER")
     row.prop(group, "show_bed", toggle=True, icon="CUBE")
     bounds = bounds_mm(objects_to_print(context) or [obj])
     if not group.arrange and (
