@@ -52,7 +52,10 @@ class DUALCOLOR_OT_remove_analysis(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """An analysis is needed."""
         obj = source_of(context.object)
-        return obj is not None and overlays_of(obj) is not None
+        if obj is None or overlays_of(obj) is None:
+            cls.poll_message_set("Nothing is analysed yet")
+            return False
+        return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Remove it."""

@@ -71,7 +71,7 @@ class DUALCOLOR_OT_apply_preset(_SettingsOperator, bpy.types.Operator):
     bl_idname = "dualcolor.apply_preset"
     bl_label = "Apply Preset"
     bl_options = {"UNDO"}  # noqa: RUF012  (Blender reads the class)
-    name: bpy.props.StringProperty(name="Name", options={"SKIP_SAVE"})
+    name: bpy.props.StringProperty(name="Name", description="Of the preset", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
@@ -94,7 +94,9 @@ class DUALCOLOR_OT_save_preset(_SettingsOperator, bpy.types.Operator):
     bl_idname = "dualcolor.save_preset"
     bl_label = "Save Preset"
     kind: bpy.props.EnumProperty(name="Kind", items=_KIND_ITEMS, default="quality", options={"HIDDEN"})
-    name: bpy.props.StringProperty(name="Name", default="My preset", options={"SKIP_SAVE"})
+    name: bpy.props.StringProperty(
+        name="Name", description="Of the new preset", default="My preset", options={"SKIP_SAVE"}
+    )
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the name."""

@@ -63,8 +63,12 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operat
     bl_label = "Render Predicted Print"
     filename_ext = ".png"
     filter_glob: bpy.props.StringProperty(default="*.png", options={"HIDDEN"})
-    width: bpy.props.IntProperty(name="Width", default=900, min=16, max=8192, subtype="PIXEL")
-    height: bpy.props.IntProperty(name="Height", default=900, min=16, max=8192, subtype="PIXEL")
+    width: bpy.props.IntProperty(
+        name="Width", description="Of the picture", default=900, min=16, max=8192, subtype="PIXEL"
+    )
+    height: bpy.props.IntProperty(
+        name="Height", description="Of the picture", default=900, min=16, max=8192, subtype="PIXEL"
+    )
     samples: bpy.props.IntProperty(name="Samples", description="Most rays a pixel", default=64, min=1, max=4096)
     views: bpy.props.EnumProperty(
         name="Views", description="Sides of which pictures are taken", items=_VIEW_ITEMS, options={"ENUM_FLAG"},
@@ -73,7 +77,9 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operat
     azimuth: bpy.props.FloatProperty(
         name="Front", description="Side of the object that is its front: 0° is -Y, 90° is +X", min=-360, max=360
     )
-    distance: bpy.props.EnumProperty(name="Distance", items=_DISTANCE_ITEMS)
+    distance: bpy.props.EnumProperty(
+        name="Distance", description="Where the print is looked at from", items=_DISTANCE_ITEMS
+    )
     contact_sheet: bpy.props.BoolProperty(
         name="Contact Sheet",
         description="Also save …_sheet.png: texture on the model, predicted print, and print at viewing distance",

@@ -37,7 +37,7 @@ class DUALCOLOR_OT_mark_support(_EditMode, bpy.types.Operator):
     bl_idname = "dualcolor.mark_support"
     bl_label = "Mark Selected Faces for Supports"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
-    mark: bpy.props.EnumProperty(name="Supports", items=_MARKS)
+    mark: bpy.props.EnumProperty(name="Supports", description="What the faces are for", items=_MARKS)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Write the attribute."""
@@ -55,7 +55,7 @@ class DUALCOLOR_OT_select_support(_EditMode, bpy.types.Operator):
     bl_idname = "dualcolor.select_support"
     bl_label = "Select Faces Marked for Supports"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
-    mark: bpy.props.EnumProperty(name="Supports", items=_MARKS[:2])
+    mark: bpy.props.EnumProperty(name="Supports", description="Which faces", items=_MARKS[:2])
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Change the selection."""
