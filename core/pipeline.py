@@ -22,12 +22,14 @@ from .pattern.optimized import optimized_samples
 from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
 from .pattern.slant import slant_along
+from .pattern.solid_regions import solid_regions, solid_report, with_solid_regions
 from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
 from .plate import object_rows, plate_warnings
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
 from .slicing.planes import line_widths
 from .slicing.slices import Slices, slices
+from .stage_cache import NoCache, StageCache
 from .statistics import layer_begins, move_seconds
 from .supports.paths import Supports, supports, with_supports
 from .texture.lookup import tone_at
@@ -75,14 +77,17 @@ class DualColorPrint:
 
 
 def generate(
-    model: SurfaceModel, settings: PrintSettings, on_progress: Callable[[float, str], None] | None = None
+    model: SurfaceModel,
+    settings: PrintSettings,
+    on_progress: Callable[[float, str], None] | None = None,
+    cache: StageCache | None = None,
 ) -> DualColorPrint:
-    """Run the whole job; `on_progress` is told the share done and the stage.
+    """Run the whole job; `on_progress` is told the share done and the stage, `cache` keeps stages for the next run.
 
     Raises:
         PrintError: the input cannot be printed.
     """
-    job = steps(model, settings)
+    job = steps(model, settings, cache)
     while True:
         try:
             done, stage = next(job)
@@ -93,58 +98,72 @@ def generate(
             on_progress(done, stage)
 
 
-def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, None, DualColorPrint]:
+def steps(
+    model: SurfaceModel, settings: PrintSettings, cache: StageCache | None = None
+) -> Generator[Progress, None, DualColorPrint]:
     """The job as a generator: yields (share done, name of the stage to come), returns the print.
 
     Raises:
         PrintError: the input cannot be printed.
     """
     clock = StageClock()
+    cache = cache or NoCache()
+    run = cache.run
 
     def stage(done: float, name: str) -> Progress:
         clock.begin(name)
         return done, name
 
     yield stage(0.0, "mesh")
-    mesh = triangulate(model, settings)
+    mesh = cache.former("mesh", triangulate(model, settings))
     # What does not wait for the stages in between runs beside them; leaving the block waits for it.
     with ThreadPoolExecutor(1) as beside:
         footprint = 2 * settings.layer_height
         painting = beside.submit(
-            clock.timed, "texture", build_pyramids, mesh, model.textures, footprint, settings.texture_filter
+            clock.timed,
+            "texture",
+            run,
+            "texture",
+            build_pyramids,
+            mesh,
+            model.textures,
+            footprint,
+            settings.texture_filter,
         )
         yield stage(0.05, "slicing")
-        cut = slices(mesh, settings)
+        cut = run("slicing", slices, mesh, settings)
         yield stage(0.2, "contours")
-        lines = contours(cut.outlines, cut.loop_polygon, settings)
+        lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings)
         yield stage(0.3, "sampling")
-        projector = Projector(lines, settings.projection_threshold)
-        samples = pattern_samples(lines, projector, settings)
+        projector = run("projector", Projector, lines, settings.projection_threshold)
+        samples = run("sampling", pattern_samples, lines, projector, settings)
         yield stage(0.4, "texture")
         pyramids = painting.result()
-        fit = beside.submit(clock.timed, "seam errors", seam_errors, lines, samples, projector)
-        paint = beside.submit(clock.timed, "slopes", face_contrast, mesh, pyramids, settings)
+        fit = beside.submit(clock.timed, "seam errors", run, "seam errors", seam_errors, lines, samples, projector)
+        paint = beside.submit(clock.timed, "slopes", run, "slopes", face_contrast, mesh, pyramids, settings)
         yield stage(0.45, "tone")
-        tone = pattern_tone(lines, pyramids, settings)
+        tone = run("tone", pattern_tone, lines, pyramids, settings)
         del painting, pyramids  # as large as the moves that are to come
         yield stage(0.5, "modulation")
-        slant = average_along_wall(slant_along(lines, mesh), lines, settings.wavelength)
-        printed, notes = calibrated(tone, slant, settings)
-        depth, set_back = modulated(lines, printed, slant, settings)
-        outlines = waved(lines, samples, tone, depth, set_back, settings)
+        slant = run("slant", _slant, lines, mesh, settings.wavelength)
+        printed, notes = run("calibration", calibrated, tone, slant, settings)
+        depth, set_back = run("modulation", modulated, lines, printed, slant, settings)
+        depth, set_back, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
+        outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings)
         yield stage(0.6, "fill")
-        inside = inside_of_wall(lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
-        fill = fill_paths(cut.regions, inside, cut.polygon_layer, settings)
+        inside = run("inside", inside_of_wall, lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
+        fill = run("fill", fill_paths, cut.regions, inside, cut.polygon_layer, settings)
         yield stage(0.7, "supports")
-        holding = supports(mesh, cut, lines, depth, settings)
-        inner = Paths.joined([fill, holding.paths])
+        holding = run("supports", supports, mesh, cut, lines, depth, settings)
+        inner = run("inner", _joined, fill, holding.paths)
         yield stage(0.75, "toolpaths")
-        within = rooms(inside, cut.polygon_layer, cut.regions)
-        moves = _moves(outlines, fill, holding, cut, within, settings)
+        within = run("rooms", rooms, inside, cut.polygon_layer, cut.regions)
+        moves = run("toolpaths", _moves, outlines, fill, holding, cut, within, settings)
         # Not beside the toolpaths, whose tables are as large as its own: memory would grow by a third.
         alone = beside.submit(
-            clock.timed, "single color", single_color_seconds, outlines, inner, cut.layers, settings, within
-        )
+            clock.timed, "single color", run, "single color", single_color_seconds,
+            outlines, inner, cut.layers, settings, within,
+        )  # fmt: skip
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
         slopes = slope_report(mesh, paint.result())
@@ -152,16 +171,18 @@ def steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, N
     warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples, settings)
     warnings += size_warnings(mesh, model.name, settings)
     report = _report(model, mesh, cut, moves, settings)
-    thin = thin_report(thin_features(cut, lines, settings), cut)
+    thin = thin_report(run("thin features", thin_features, cut, lines, settings), cut)
     warnings += thin_warnings(thin, settings)
-    seconds = move_seconds(moves, settings.printer_profile)
+    seconds = run("time", _seconds, moves, settings)
     warnings += skirt_warnings(moves, settings)
     warnings += slope_warnings(slopes)
     warnings += standby_warnings(moves, seconds, settings)
     warnings += notes
     report |= {"time_s": time_report(moves, settings, single_color, seconds)}
     report |= {"filament": filament_report(moves, settings)}
+    cache.trim()
     clock.stop()
+    report |= solid
     report |= {"pattern": pattern, "slopes": slopes, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
     report |= {"beside_s": clock.beside}
     report |= {"peak_rss_mb": peak_rss_mb(), "thin_features": thin, "warnings": warnings}
@@ -186,6 +207,36 @@ def pattern_tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSett
         return tone
     # The look-up has averaged over a layer pair in all directions; a wave cannot show more than one tone along it.
     return average_along_wall(tone, lines, settings.wavelength)
+
+
+def _solid_colours(
+    lines: Contours,
+    tone: FloatArray,
+    slant_deg: FloatArray,
+    depth: FloatArray,
+    set_back: FloatArray,
+    projector: Projector,
+    settings: PrintSettings,
+) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
+    """Depth and set-back with regions of pure black and white treated as it is set, and the report on them."""
+    if settings.solid_regions == "none":
+        return depth, set_back, {}
+    solid = solid_regions(lines, tone, slant_deg, projector, settings)
+    without = depth
+    depth, set_back = with_solid_regions(lines, depth, set_back, slant_deg, solid, settings)
+    return depth, set_back, {"solid_regions": solid_report(lines, solid, without, depth, settings)}
+
+
+def _slant(lines: Contours, mesh: TriangleMesh, wavelength: float) -> FloatArray:
+    return average_along_wall(slant_along(lines, mesh), lines, wavelength)
+
+
+def _joined(fill: Paths, holding: Paths) -> Paths:
+    return Paths.joined([fill, holding])
+
+
+def _seconds(moves: Moves, settings: PrintSettings) -> FloatArray:
+    return move_seconds(moves, settings.printer_profile)
 
 
 def _moves(

@@ -99,6 +99,20 @@ class PrintSettings:
     chord_tolerance: float = setting(
         0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
     )
+    solid_regions: str = setting(
+        "none",
+        "Large painted regions of pure black or white: like all tones, or the other color's line hidden behind",
+        choices=("none", "set_back"),
+        group="pattern",
+    )
+    solid_region_area: float = setting(
+        25.0, "Least area of a region of pure black or white that counts as one, in mm²", "", 1.0, 10000.0,
+        group="pattern",
+    )  # fmt: skip
+    solid_set_back: float = setting(
+        0.5, "How far the other color's line is set back in such a region, as far as max_unsupported allows", "mm",
+        0.0, 2.0, group="pattern",
+    )  # fmt: skip
 
     # Texture
     background_tone: float = setting(

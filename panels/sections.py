@@ -56,6 +56,9 @@ PATTERN_ADVANCED = Section(
         "projection_threshold",
         "relaxation",
         "chord_tolerance",
+        "solid_regions",
+        "solid_region_area",
+        "solid_set_back",
     ),
     stage="pattern",
 )

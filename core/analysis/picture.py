@@ -19,7 +19,7 @@ _OVERSAMPLING = 2
 _STEP_PIXELS = 0.7
 _FACES_AT_ONCE = 4096
 _MARGIN = 0.04
-_BIAS_MM = 0.6
+_BIAS_MM = 0.4
 _DEPTH_STEP_MM = 1e-3
 _CLAY = (0.86, 0.85, 0.83)
 _PAPER = (1.0, 1.0, 1.0)
@@ -154,7 +154,8 @@ def _draw_stroke(image: NDArray[np.float32], depth: FloatArray, camera: _Camera,
         return
     place, before = _along(camera.seen(stroke.curves.points), stroke.curves.start)
     colours = np.broadcast_to(stroke.colours, (len(stroke.curves.points), 3))[before]
-    visible = place[:, 2] >= depth.ravel()[_pixels(place, camera)] - _BIAS_MM
+    behind = depth.ravel()[_pixels(place, camera)]
+    visible = np.isfinite(behind) & (place[:, 2] >= behind - _BIAS_MM)
     place, colours, value = place[visible], colours[visible], stroke.curves.value[before][visible]
     order = np.argsort(value, kind="stable")  # what matters most is drawn last
     place, colours = place[order], colours[order]

@@ -1,0 +1,184 @@
+"""Solid colours: painted regions of pure black or white, in which the other colour's line is hidden (paper, section 7).
+
+The paper proposes to print such regions in one filament. Here each layer keeps its colour, so that no tool change is
+added: in layers of the other colour the outline is set back as far as the strand above can stand out over it, farther
+than for any tone, and both colours' waves end, so that the region's own strands meet in front of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.outlines import preceding
+from .contours import Contours
+from .modulation import faded, layer_is_black, supported
+from .sampling import Projector
+from .wave import average_along_wall
+
+PURE = 0.02
+"""Tones nearer than this to 0 or 1 are pure; a filtered picture's border of a region is not."""
+
+_MIXED, _BLACK, _WHITE = 0, 1, 2
+_STEEPEST_DEG = 80.0
+
+
+@dataclass(frozen=True)
+class SolidRegions:
+    """R regions on N contour points.
+
+    Attributes:
+        region: (N,) int64, -1 for points in none.
+        is_black: (R,) bool, else white.
+        area: (R,) mm² of the surface.
+    """
+
+    region: IntArray
+    is_black: BoolArray
+    area: FloatArray
+
+
+def solid_regions(
+    lines: Contours, tone: FloatArray, slant_deg: FloatArray, projector: Projector, settings: PrintSettings
+) -> SolidRegions:
+    """Find the connected regions of pure tone that are large enough.
+
+    Points are connected along their contour, and with the place of the next layer that they project onto.
+
+    Args:
+        lines: N contour points.
+        tone: (N,) asked for, 0 black to 1 white.
+        slant_deg: (N,) of the surface.
+        projector: made for the same contours.
+        settings: solid_region_area and the layer height are used.
+    """
+    kind = np.where(tone <= PURE, _BLACK, np.where(tone >= 1.0 - PURE, _WHITE, _MIXED))
+    run = _runs(kind, lines.start)
+    pure = np.flatnonzero(kind != _MIXED)
+    label = connected(int(run.max(initial=-1)) + 1, *_links(lines, kind, run, pure, projector))
+    step = np.diff(np.append(lines.arc, lines.arc_start[-1]))
+    lean = np.radians(np.minimum(np.abs(slant_deg), _STEEPEST_DEG))
+    owner = label[run[pure]]
+    patch = step * settings.layer_height / np.cos(lean)
+    area = np.asarray(np.bincount(owner, patch[pure], minlength=len(label)), dtype=np.float64)
+    large = np.flatnonzero(area >= settings.solid_region_area)
+    number = np.full(len(label) + 1, -1, dtype=np.int64)
+    number[large] = np.arange(len(large))
+    region = np.full(len(kind), -1, dtype=np.int64)
+    region[pure] = number[owner]
+    is_black = np.zeros(len(large), dtype=bool)
+    inside = region >= 0
+    is_black[region[inside]] = kind[inside] == _BLACK
+    return SolidRegions(region, is_black, area[large])
+
+
+def with_solid_regions(
+    lines: Contours,
+    depth: FloatArray,
+    set_back: FloatArray,
+    slant_deg: FloatArray,
+    solid: SolidRegions,
+    settings: PrintSettings,
+) -> tuple[FloatArray, FloatArray]:
+    """Wave depth and set-back with the other colour's line behind, and no waves, inside the regions.
+
+    Towards the border of a region all goes over within half a wavelength, inside of it.
+
+    Args:
+        lines: N contour points.
+        depth: (N,) mm, peak to peak.
+        set_back: (N,) mm.
+        slant_deg: (N,) of the surface.
+        solid: the regions.
+        settings: solid_set_back and what limits a strand's overhang are used.
+    """
+    inside = solid.region >= 0
+    share = np.clip(2 * average_along_wall(inside.astype(np.float64), lines, settings.wavelength) - 1, 0.0, 1.0)
+    share = np.where(inside, share, 0.0)
+    black_here = np.zeros(len(inside), dtype=bool)
+    black_here[inside] = solid.is_black[solid.region[inside]]
+    other = layer_is_black(lines.layer[lines.loop]) != black_here
+    wanted = np.where(other, settings.solid_set_back, 0.0)
+    hidden = supported(depth * (1 - share), set_back + share * (wanted - set_back), slant_deg, settings)
+    new_depth, new_set_back = faded(*hidden, lines.room_inside, lines.room_outside)
+    return np.where(inside, new_depth, depth), np.where(inside, new_set_back, set_back)
+
+
+def solid_report(
+    lines: Contours, solid: SolidRegions, before: FloatArray, after: FloatArray, settings: PrintSettings
+) -> dict[str, Any]:
+    """What the regions are and what they cost, JSON-ready.
+
+    Args:
+        lines: N contour points.
+        solid: the regions.
+        before: (N,) mm, depth of the waves without the regions.
+        after: (N,) mm, with them.
+        settings: as used.
+    """
+    step = np.diff(np.append(lines.arc, lines.arc_start[-1]))
+    longer = step @ (_stretch(after, settings) - _stretch(before, settings))
+    return {
+        "regions": len(solid.area),
+        "black_mm2": float(solid.area[solid.is_black].sum()),
+        "white_mm2": float(solid.area[~solid.is_black].sum()),
+        "outline_share": float(step[solid.region >= 0].sum() / max(step.sum(), 1e-12)),
+        "tool_changes": 0,
+        "outline_time_s": float(longer / settings.wave_speed),
+    }
+
+
+def connected(count: int, first: IntArray, second: IntArray) -> IntArray:
+    """(count,) the least number that each of some things is connected with, by pairs (E,) and (E,)."""
+    label = np.arange(count)
+    while True:
+        least = np.minimum(label[first], label[second])
+        further = label.copy()
+        # The roots move too, so that long chains take few rounds.
+        for end in (first, second, label[first], label[second]):
+            np.minimum.at(further, end, least)
+        further = further[further]
+        if np.array_equal(further, label):
+            return label
+        label = further
+
+
+def _runs(kind: IntArray, start: IntArray) -> IntArray:
+    """(N,) number of the run of equal kinds around its contour that each point is in; what is mixed has one too."""
+    begins = kind != kind[preceding(start)]
+    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    even = np.bincount(loop, begins, minlength=len(start) - 1) == 0
+    begins[start[:-1][even]] = True
+    run = np.cumsum(begins) - 1
+    # What comes before the first beginning of a contour goes on from its end.
+    total = np.concatenate([[0], np.cumsum(begins)])
+    wrapped = run < total[start[:-1]][loop]
+    return np.where(wrapped, run[start[1:] - 1][loop], run)
+
+
+def _links(
+    lines: Contours, kind: IntArray, run: IntArray, pure: IntArray, projector: Projector
+) -> tuple[IntArray, IntArray]:
+    """Pairs of runs of one colour that lie above one another."""
+    layer = lines.layer[lines.loop]
+    pure = pure[layer[pure] < layer.max(initial=0)]
+    place, gap = projector.project(lines.points[pure], layer[pure] + 1)
+    found = np.isfinite(gap)
+    low, high = pure[found], np.searchsorted(lines.arc, place[found], side="right") - 1
+    alike = kind[low] == kind[high]
+    pairs = np.unique(np.stack([run[low[alike]], run[high[alike]]]), axis=1)
+    return pairs[0], pairs[1]
+
+
+def _stretch(depth: FloatArray, settings: PrintSettings) -> FloatArray:
+    """(N,) how much longer the path of a usual wave of that depth is than the outline."""
+    if settings.pattern == "offset":
+        return np.ones_like(depth)
+    depths = np.linspace(0.0, 3.0, 61)
+    steepness = np.pi * depths / (settings.wavelength * np.sqrt(2))
+    along = np.sin(np.linspace(0.0, 2 * np.pi, 64, endpoint=False))
+    return np.interp(depth, depths, np.sqrt(1 + (steepness[:, None] * along) ** 2).mean(axis=1))
