@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.model import SurfaceModel
 from ..core.settings import PrintSettings
+from ..core.stage_cache import StageCache
 
 if TYPE_CHECKING:
     from ..core.pipeline import DualColorPrint
@@ -26,6 +27,8 @@ class _Kept:
 
 
 _kept: dict[int, _Kept] = {}
+_stages: dict[int, StageCache] = {}
+"""Of the object that was worked on last."""
 
 
 def keep(obj: bpy.types.Object, digest: str, result: DualColorPrint) -> None:
@@ -42,9 +45,18 @@ def kept(obj: bpy.types.Object, digest: str) -> DualColorPrint | None:
     return found.result if found and found.digest == digest else None
 
 
+def stages_of(obj: bpy.types.Object) -> StageCache:
+    """The stages of the object's last job; those of another object are forgotten: they take as much as its print."""
+    if obj.session_uid not in _stages:
+        _stages.clear()
+        _stages[obj.session_uid] = StageCache()
+    return _stages[obj.session_uid]
+
+
 def forget_all() -> None:
     """Free the memory; what is asked for later is computed again."""
     _kept.clear()
+    _stages.clear()
 
 
 def digest_of(model: SurfaceModel, settings: PrintSettings) -> str:

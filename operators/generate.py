@@ -10,7 +10,7 @@ from ..bridge.curves import build_preview, source_of
 from ..bridge.mesh_input import WITH_SURFACE
 from ..bridge.plate import check_present, objects_to_print, plate_model
 from ..bridge.properties import set_report, to_settings
-from ..bridge.results import digest_of, keep, kept
+from ..bridge.results import digest_of, keep, kept, stages_of
 from ..core.pipeline import DualColorPrint, Progress, steps
 from .job import JobOperator, Steps
 
@@ -48,7 +48,7 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
     digest = digest_of(model, settings)
     result = kept(obj, digest) if reuse else None
     if result is None:
-        result = yield from _scaled(steps(model, settings))
+        result = yield from _scaled(steps(model, settings, stages_of(obj)))
         yield _SHARE_OF_PIPELINE, "strands"
         check_present(objects)
         build_preview(result, obj, others)

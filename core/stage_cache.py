@@ -1,0 +1,144 @@
+"""Results of stages, kept from one run of the job to the next, used again where what a stage reads has not changed.
+
+What a stage reads is not declared but watched: its settings are handed over as a copy that notes which of them are
+asked for. A stage that is given the same arrays and the same values of those settings goes the same way and gives the
+same result, so nothing can be forgotten when a stage learns to read another setting.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+import shapely
+
+from .settings import PrintSettings
+
+Result = TypeVar("Result")
+_NAMES = frozenset(declared.name for declared in fields(PrintSettings))
+_NOTES = "_notes"
+MOST_BYTES = 1 << 30
+_BYTES_A_GEOMETRY = 200
+
+
+@dataclass(frozen=True)
+class _Held:
+    """A result, what it was made from, and the settings that were read meanwhile."""
+
+    arguments: tuple[Any, ...]
+    read: dict[str, Any]
+    result: Any
+
+
+class StageCache:
+    """The latest result of each stage.
+
+    Args:
+        most_bytes: that the results may take; with more of them all are forgotten at the end of the run.
+    """
+
+    def __init__(self, most_bytes: int = MOST_BYTES) -> None:
+        self._most_bytes = most_bytes
+        self._held: dict[str, _Held] = {}
+
+    def run(self, stage: str, function: Callable[..., Result], *arguments: Any) -> Result:
+        """The function's result, kept under the stage's name; the former one if nothing that was read has changed."""
+        held = self._held.get(stage)
+        settings = next((given for given in arguments if isinstance(given, PrintSettings)), None)
+        others = tuple(given for given in arguments if given is not settings)
+        if held and _is_read_alike(held, settings) and _same(held.arguments, others):
+            kept: Result = held.result
+            return kept
+        read: dict[str, Any] = {}
+        watched = _watched(settings, read) if settings else None
+        result = function(*(watched if given is settings and settings else given for given in arguments))
+        self._held[stage] = _Held(others, read, result)
+        return result
+
+    def former(self, name: str, value: Result) -> Result:
+        """What was last kept under a name if it equals the value, so that stages know it again; else the value."""
+        held = self._held.get(name)
+        if held is None or not _same(held.result, value):
+            self._held[name] = held = _Held((), {}, value)
+        kept: Result = held.result
+        return kept
+
+    def trim(self) -> None:
+        """Forget all if it takes too much memory."""
+        seen: set[int] = set()
+        if sum(_bytes((held.arguments, held.result), seen) for held in self._held.values()) > self._most_bytes:
+            self._held.clear()
+
+
+class NoCache(StageCache):
+    """Keeps nothing, for a job that is run once."""
+
+    def run(self, stage: str, function: Callable[..., Result], *arguments: Any) -> Result:
+        """The function's result."""
+        return function(*arguments)
+
+    def former(self, name: str, value: Result) -> Result:
+        """The value."""
+        return value
+
+
+class _Watched(PrintSettings):
+    """Settings that note under `_NOTES` which of them are read."""
+
+    def __getattribute__(self, name: str) -> Any:
+        value = object.__getattribute__(self, name)
+        if name in _NAMES:
+            notes = object.__getattribute__(self, "__dict__").get(_NOTES)
+            if notes is not None:  # a changed copy has none; making it has read all of the others
+                notes[name] = value
+        return value
+
+
+def _watched(settings: PrintSettings, notes: dict[str, Any]) -> PrintSettings:
+    copy = object.__new__(_Watched)
+    vars(copy).update(vars(settings))
+    vars(copy)[_NOTES] = notes
+    return copy
+
+
+def _is_read_alike(held: _Held, settings: PrintSettings | None) -> bool:
+    return all(getattr(settings, name, None) == value for name, value in held.read.items())
+
+
+def _same(first: Any, second: Any) -> bool:
+    """Whether two arguments are one and the same, or hold equal arrays."""
+    if first is second:
+        return True
+    if type(first) is not type(second):
+        return False
+    if isinstance(first, np.ndarray):
+        return first.shape == second.shape and first.dtype == second.dtype and _equal_arrays(first, second)
+    if isinstance(first, tuple):
+        return len(first) == len(second) and all(_same(a, b) for a, b in zip(first, second, strict=True))
+    if is_dataclass(first):
+        return all(_same(getattr(first, each.name), getattr(second, each.name)) for each in fields(first))
+    return isinstance(first, (str, int, float, bool)) and bool(first == second)
+
+
+def _equal_arrays(first: np.ndarray[Any, Any], second: np.ndarray[Any, Any]) -> bool:
+    if first.dtype == object:
+        return bool(shapely.equals_identical(first, second).all())
+    return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")
+
+
+def _bytes(held: Any, seen: set[int]) -> int:
+    """Bytes of all arrays and geometries within, each counted once."""
+    if id(held) in seen:
+        return 0
+    seen.add(id(held))
+    if isinstance(held, np.ndarray):
+        if held.dtype == object:
+            return int(shapely.get_num_coordinates(held).sum()) * 16 + held.size * _BYTES_A_GEOMETRY
+        return int(held.nbytes)
+    if isinstance(held, (tuple, list)):
+        return sum(_bytes(each, seen) for each in held)
+    if is_dataclass(held) or hasattr(held, "__dict__"):
+        return sum(_bytes(each, seen) for each in vars(held).values())
+    return 0
