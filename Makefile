@@ -1,10 +1,11 @@
 # make demo: the sample from nothing to G-code and pictures, in out/
 # make test: all checks and tests
+# make test-gui: in the window of the Blender that BLENDER names, by mouse and keys (Xvfb, xdotool, ImageMagick)
 # make package: the extension for Blender, in dist/
 # make fuzz: damaged files for all readers, SECONDS each
 # make benchmark: against a single-colour slicer, where one is installed
 .DELETE_ON_ERROR:
-.PHONY: demo test package benchmark fuzz environment lint clean
+.PHONY: demo test test-gui package benchmark fuzz environment lint clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -15,6 +16,9 @@ demo: environment
 
 test: $(VENV)/.dev lint
 	$(BIN)/python -m pytest
+
+test-gui: $(VENV)/.dev
+	$(BIN)/python -m pytest tests/gui -rs
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff format --check .

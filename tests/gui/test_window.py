@@ -1,0 +1,129 @@
+"""From the package to a painted print in a real window, by mouse and keys only.
+
+BLENDER names the Blender, 4.5 or newer; DUALCOLOR_SCREENSHOTS a folder that keeps the pictures.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from dualcolor.core.gcode.reader import read_gcode
+from dualcolor.core.toolpaths.moves import Feature
+from user import User
+from window import missing
+
+ROOT = Path(__file__).resolve().parents[2]
+BLENDER = os.environ.get("BLENDER")
+pytestmark = pytest.mark.skipif(bool(missing(BLENDER)), reason=missing(BLENDER))
+STRANDS = "[held.name for held in bpy.data.collections if held.name.endswith('Dual-Color')]"
+EVERYTHING = "[sorted(held.name for held in getattr(bpy.data, kind)) for kind in ('objects', 'collections', 'images')]"
+RUNNING = "sys.modules[type(bpy.context.object.dualcolor).__module__.rpartition('.bridge')[0] + '.operators.job']"
+RUNNING = f"{RUNNING}.JobOperator.running is not None"
+PIXELS = "sum(bpy.data.images['Suzanne Tone'].pixels[:])"
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("package")
+    command = [sys.executable, str(ROOT / "tools" / "package.py"), "--only-without-wheels", "--out", str(folder)]
+    subprocess.run(command, check=True, capture_output=True)
+    return shutil.move(next(folder.glob("*.zip")), folder / "dualcolor.zip")
+
+
+@pytest.fixture
+def user(tmp_path):
+    made = User(BLENDER, tmp_path)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def shot(user, tmp_path):
+    folder = Path(os.environ.get("DUALCOLOR_SCREENSHOTS", tmp_path)).resolve()
+    left, top, right, bottom = 0, 25, 1052, 722
+    return lambda name: user.shot(folder / f"{name}.png", (left, top, right, bottom), colours=48)
+
+
+def generated(user: User) -> None:
+    user.press("dualcolor.generate")
+    user.until(RUNNING)
+    user.until(f"not ({RUNNING})")
+
+
+def exported(user: User, path: Path) -> Path:
+    user.press("dualcolor.export_gcode")
+    user.choose_file(path)
+    user.until(f"os.path.exists({str(path)!r})")
+    return path
+
+
+def set_back(plain: Path, painted: Path) -> tuple[np.ndarray, np.ndarray]:
+    """(N, 3) mm points of the white outer wall of the painted print, (N,) mm from the wall of the plain one."""
+    walls = []
+    for path in (plain, painted):
+        moves = read_gcode(path.read_bytes(), path.stem).moves
+        wall = (moves.feature == Feature.OUTER_WALL) & (moves.tool == 1) & (moves.width > 0)
+        walls.append((moves.position, np.flatnonzero(wall), moves.layer))
+    (before, old, old_layer), (after, new, new_layer) = walls
+    lines = shapely.linestrings(np.stack([before[old - 1, :2], before[old, :2]], axis=1))
+    far = np.full(len(new), np.nan)
+    for layer in np.unique(new_layer[new]):
+        there = new_layer[new] == layer
+        all_lines = shapely.multilinestrings(lines[old_layer[old] == layer])
+        far[there] = shapely.distance(shapely.points(after[new[there], :2]), all_lines)
+    return after[new], far
+
+
+def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
+    user.install(package)
+    user.open_tab()
+    user.move(*user.view())
+    user.keys("a", "x", "Return")
+    user.search("monkey")
+    user.until("bpy.context.object is not None")
+    user.press("dualcolor.scale_to_height")
+    user.keys("Return")
+    user.until("abs(bpy.context.object.dimensions.z - 60) < 0.1")
+    user.press("dualcolor.show_bed")
+    user.until("bpy.context.object.dualcolor.show_bed")
+    user.press("dualcolor.check_model")
+    user.until("bpy.context.object.dualcolor.findings")
+    user.press("dualcolor.repair_model")
+    user.until("not bpy.context.object.dualcolor.findings")
+    shot("1_prepare")
+
+    user.press("dualcolor.unwrap_smart")
+    user.until("len(bpy.context.object.data.uv_layers) == 2")
+    before = user.ask(EVERYTHING)
+    user.press("dualcolor.generate")
+    user.until(RUNNING)
+    user.keys("Escape")
+    user.until(f"not ({RUNNING})")
+    assert user.ask(EVERYTHING) == before and not user.ask(STRANDS)
+
+    user.press("dualcolor.set_up_painting")
+    user.until("bpy.context.object.mode == 'TEXTURE_PAINT'")
+    plain = exported(user, tmp_path / "plain.gcode")
+    user.press("dualcolor.show_print")
+    user.until("not bpy.context.object.dualcolor.show_print")
+    clean = user.ask(PIXELS)
+    x, y = user.view()
+    user.drag([(x + step, y + 0.2 * step) for step in range(-90, 90, 8)])
+    assert user.ask(PIXELS) < clean - 100
+    shot("2_paint")
+
+    generated(user)
+    assert user.ask(STRANDS)
+    user.move(*user.view())
+    shot("3_strands")
+    painted = exported(user, tmp_path / "painted.gcode")
+    places, far = set_back(plain, painted)
+    stroke = far > 0.2
+    assert stroke.sum() > 20, "the stroke is not in the file"
+    assert stroke.mean() < 0.3 and np.median(far) < 0.02, "the wall has changed where nothing was painted"
+    assert np.ptp(places[stroke], axis=0)[2] < 40
