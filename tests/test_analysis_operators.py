@@ -1,6 +1,7 @@
 """Analyse Pattern, Suggest Orientation and the command `analyse`, as users run them."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,11 @@ from dualcolor.bridge.bed import bounds_mm  # noqa: E402
 from dualcolor.bridge.orientations import orientations_of  # noqa: E402
 from dualcolor.bridge.overlays import analysis_of, overlays_of  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
-from dualcolor.panels.analysis import analysis_figures  # noqa: E402
+from dualcolor.panels.analysis import (  # noqa: E402
+    DUALCOLOR_PT_analysis,
+    DUALCOLOR_PT_orientation,
+    analysis_figures,
+)
 
 
 @pytest.fixture
@@ -27,6 +32,46 @@ def cone(scene):
     bpy.context.view_layer.update()
     yield made
     dualcolor.unregister()
+
+
+class Recorder:
+    """A layout that notes what is drawn."""
+
+    def __init__(self):
+        self.texts, self.operators, self.icons = [], [], []
+
+    def label(self, text="", icon="NONE", icon_value=0):
+        self.texts.append(text)
+        self.icons.append(icon)
+
+    def progress(self, factor, text):
+        assert 0 <= factor <= 1
+        self.texts.append(text)
+
+    def prop(self, data, name, **shown):
+        assert name in data.bl_rna.properties
+
+    def operator(self, name, icon="NONE"):
+        self.operators.append(name)
+        self.icons.append(icon)
+        return SimpleNamespace()
+
+    def row(self, **_):
+        return self
+
+    column = split = row
+
+
+def drawn(panel, obj):
+    """What a panel shows in a narrow sidebar."""
+    layout = Recorder()
+    context = SimpleNamespace(
+        object=obj, region=SimpleNamespace(width=300), preferences=SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
+    )
+    panel.draw(SimpleNamespace(layout=layout), context)
+    icons = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
+    assert set(layout.icons) <= set(icons.keys())
+    return layout
 
 
 def shown(collection):
@@ -60,8 +105,14 @@ def test_figures_match_the_report_and_go_with_the_overlays(cone):
     report = analysis_of(cone)
     rows = dict(analysis_figures(report))
     assert rows["Births, Deaths"] == f"0, {report['tracelines']['deaths']}"
+    texts = drawn(DUALCOLOR_PT_analysis, cone).texts
+    assert {"Salient", rows["Salient"], "Tracelines", "Seam Error from 4"} <= set(texts)
+    assert "Settings have changed since" not in texts
+    cone.dualcolor.wavelength = 2.0
+    assert "Settings have changed since" in drawn(DUALCOLOR_PT_analysis, cone).texts
     assert bpy.ops.dualcolor.remove_analysis() == {"FINISHED"}
     assert overlays_of(cone) is None and not analysis_of(cone)
+    assert drawn(DUALCOLOR_PT_analysis, cone).texts == []
     assert not bpy.ops.dualcolor.remove_analysis.poll()
 
 
@@ -83,6 +134,7 @@ def test_turning_stands_the_object_up_where_it_was(scene):
     assert bpy.ops.dualcolor.suggest_orientation() == {"FINISHED"}
     found = orientations_of(slab)
     assert found[0]["height_mm"] == pytest.approx(4.0, abs=1e-3)
+    assert drawn(DUALCOLOR_PT_orientation, slab).operators.count("dualcolor.apply_orientation") == len(found)
     low = bounds_mm([slab])[0, 2]
     assert bpy.ops.dualcolor.apply_orientation(number=0) == {"FINISHED"}
     assert np.ptp(bounds_mm([slab])[:, 2]) == pytest.approx(4.0, abs=1e-3)
