@@ -7,7 +7,7 @@ from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.modulation import layer_is_black
 from dualcolor.core.pattern.sampling import Projector
 from dualcolor.core.pattern.slant import slant_along
-from dualcolor.core.pattern.solid_regions import connected, solid_regions, with_solid_regions
+from dualcolor.core.pattern.solid_regions import connected, runs, solid_regions, with_solid_regions
 from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate, pattern_tone
 from dualcolor.core.settings import PrintSettings
@@ -88,6 +88,13 @@ def test_set_back_ends_where_strands_would_hang():
     lines, tone, slant, solid = found(painted(black=(2, 6, 0, 8)), settings)
     _, set_back = with_solid_regions(lines, *modulated(lines, tone, slant, settings), slant, solid, settings)
     assert set_back.max() == pytest.approx(settings.max_unsupported + settings.extrusion_width / 2)
+
+
+def test_runs_go_on_across_the_beginning_of_a_loop():
+    kind = np.array([1, 1, 0, 2, 1, 2, 2, 0, 2, 1, 1, 1])
+    run = runs(kind, np.array([0, 5, 9, 12]))
+    assert run[0] == run[1] == run[4] and run[5] == run[6] == run[8] and len(set(run[9:])) == 1
+    assert len(set(run.tolist())) == 6
 
 
 def test_things_are_connected_along_chains():

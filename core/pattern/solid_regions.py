@@ -57,7 +57,7 @@ def solid_regions(
         settings: solid_region_area and the layer height are used.
     """
     kind = np.where(tone <= PURE, _BLACK, np.where(tone >= 1.0 - PURE, _WHITE, _MIXED))
-    run = _runs(kind, lines.start)
+    run = runs(kind, lines.start)
     pure = np.flatnonzero(kind != _MIXED)
     label = connected(int(run.max(initial=-1)) + 1, *_links(lines, kind, run, pure, projector))
     step = np.diff(np.append(lines.arc, lines.arc_start[-1]))
@@ -147,7 +147,7 @@ def connected(count: int, first: IntArray, second: IntArray) -> IntArray:
         label = further
 
 
-def _runs(kind: IntArray, start: IntArray) -> IntArray:
+def runs(kind: IntArray, start: IntArray) -> IntArray:
     """(N,) number of the run of equal kinds around its contour that each point is in; what is mixed has one too."""
     begins = kind != kind[preceding(start)]
     loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
