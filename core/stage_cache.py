@@ -67,9 +67,14 @@ class StageCache:
 
     def trim(self) -> None:
         """Forget all if it takes too much memory."""
-        seen: set[int] = set()
-        if sum(_bytes((held.arguments, held.result), seen) for held in self._held.values()) > self._most_bytes:
+        if self.size > self._most_bytes:
             self._held.clear()
+
+    @property
+    def size(self) -> int:
+        """Bytes that the results and what they were made from take, about."""
+        seen: set[int] = set()
+        return sum(_bytes(held.arguments, seen) + _bytes(held.result, seen) for held in self._held.values())
 
 
 class NoCache(StageCache):

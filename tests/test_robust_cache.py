@@ -101,6 +101,10 @@ def test_memory_is_bounded():
     roomy = StageCache()
     generate(model(FIRST), PrintSettings(), cache=roomy)
     assert roomy._held
+    once = roomy.size
+    assert 1e6 < once < 100e6
+    generate(model(FIRST), PrintSettings(), cache=roomy)
+    assert roomy.size == once
 
 
 def test_a_stage_is_run_again_when_a_setting_that_it_read_changes():
