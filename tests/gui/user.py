@@ -95,7 +95,7 @@ class User(Window):
 
     def find(self, name: str) -> tuple[float, float] | None:
         """Where a button of the sidebar is, by the operator's or the property's identifier, scrolling if need be."""
-        for patience in (0.05, 0.2):
+        for patience in (0.12, 0.3):
             self.scroll(*self._in_sidebar(0.5, 0.5), -30)
             seen = None
             while seen != (found := self._buttons(name, patience)):
