@@ -64,3 +64,18 @@ def test_blender_never_decodes_them(scene, tmp_path):
     with pytest.raises(TextureError):
         image_tone(unread)
     assert MOST_TEXELS >= 8192**2
+
+
+def test_bands_of_a_large_picture_make_the_same_levels(monkeypatch):
+    from dualcolor.core.texture import pyramid
+
+    random = np.random.default_rng(5)
+    size = (37, 51)
+    tone, alpha = (random.random(size).astype(np.float32).ravel() for _ in range(2))
+    base = pyramid.Level(*size, tone, alpha, None, random.integers(0, 4, tone.size).astype(np.int32))
+    whole = pyramid._halved_to_one(base)
+    monkeypatch.setattr(pyramid, "_BAND_TEXELS", 200)
+    for one, other in zip(whole, pyramid._halved_to_one(base), strict=True):
+        assert (one.height, one.width) == (other.height, other.width)
+        for name in ("paint", "alpha", "coverage", "island"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

@@ -50,6 +50,9 @@ class Picture:
     repeats: bool
 
 
+_BAND_TEXELS = 1 << 22
+
+
 @dataclass(frozen=True)
 class TexturePyramids:
     """All textures of a mesh, filtered for one footprint; look-ups with other backgrounds can share it.
@@ -150,6 +153,26 @@ def _halved_to_one(base: Level) -> tuple[Level, ...]:
 
 
 def _halved(level: Level) -> Level:
+    """The next coarser level, made some million texels at a time to hold little more than it takes."""
+    rows = max(2, _BAND_TEXELS // level.width // 2 * 2)
+    if rows >= level.height:
+        return _halved_band(level)
+    bands = [_halved_band(_band(level, row, min(row + rows, level.height))) for row in range(0, level.height, rows)]
+    paint, alpha, island = (
+        np.concatenate(parts) for parts in zip(*((b.paint, b.alpha, b.island) for b in bands), strict=True)
+    )
+    coverage = np.concatenate([band.coverage for band in bands if band.coverage is not None])
+    return Level(sum(band.height for band in bands), bands[0].width, paint, alpha, coverage, island)
+
+
+def _band(level: Level, first: int, end: int) -> Level:
+    """Some rows of a level."""
+    part = slice(first * level.width, end * level.width)
+    coverage = None if level.coverage is None else level.coverage[part]
+    return Level(end - first, level.width, level.paint[part], level.alpha[part], coverage, level.island[part])
+
+
+def _halved_band(level: Level) -> Level:
     """The next coarser level; odd sizes are filled up with texels that nothing covers, so no texel is stretched.
 
     A texel belongs to the island that covers most of it, and only that island's texels are averaged in it, each
