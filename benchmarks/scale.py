@@ -202,7 +202,7 @@ def plotted(ladder: list[dict[str, Any]], path: Path) -> None:
         for x, y in line:
             draw.ellipse([x - 5, y - 5, x + 5, y + 5], colour)
         draw.text((line[-1][0] - 10, line[-1][1] - 22), f"{title}, slope {found[key]:.2f}", colour, font, anchor="rm")
-    draw.text(((left + right) / 2, height - 14), "layers × outline length", "black", font, anchor="mm")
+    draw.text(((left + right) / 2, height - 14), "outline length of all layers together", "black", font, anchor="mm")
     path.parent.mkdir(parents=True, exist_ok=True)
     image.save(path, optimize=True)
 
