@@ -123,3 +123,21 @@ def test_only_refusals_come_out_of_random_soups():
             assert problem.message
         else:
             assert np.isfinite(found.moves.position).all()
+
+
+@pytest.mark.parametrize("most", [1, 500, 3000])
+def test_bands_of_layers_give_the_same_outlines(most):
+    from dataclasses import fields
+
+    from dualcolor.core.slicing.bands import linked_outlines
+
+    model = joined(cylinder(8, 10), box((0, 0, 2), (12, 9, 7)), flipped(box((20, 0, 0), (30, 9, 9)), [3]))
+    model = replace(model, corner_vertex=model.corner_vertex[:-9], polygon_start=model.polygon_start[:-3],
+                    polygon_texture=model.polygon_texture[:-3])  # fmt: skip
+    mesh = triangulate(model, SETTINGS)
+    planes = np.arange(0.1, 9.9, 0.2)
+    whole, left_open = linked_outlines(mesh, planes, 0.05)
+    banded, open_too = linked_outlines(mesh, planes, 0.05, most)
+    assert len(left_open) and np.array_equal(left_open, open_too)
+    for column in fields(whole):
+        np.testing.assert_array_equal(getattr(whole, column.name), getattr(banded, column.name))

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from ..errors import MeshError
 from ..model import IntArray, TriangleMesh
 from ..settings import PrintSettings
-from .intersect import intersect
-from .link import link
+from .bands import linked_outlines
 from .outlines import Outlines, starts, sums
 from .overlaps import overlaps
 from .planes import Layers, layer_stack
@@ -58,7 +57,7 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
         MeshError: the mesh is open, too low, or has no inside.
     """
     stack = layer_stack(float(mesh.vertices[:, 2].max()), settings)
-    raw, open_layers = link(intersect(mesh, stack.plane), settings.gap_closing_radius)
+    raw, open_layers = linked_outlines(mesh, stack.plane, settings.gap_closing_radius)
     # A strand as round as it gets is as long around as its width says.
     shortest = np.pi * settings.extrusion_width
     whole, specks = cleaned(raw, shortest)
