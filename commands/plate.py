@@ -16,7 +16,8 @@ from .terminal import Progress
 
 NAME = "plate"
 HELP = "put pictures on plates, predict their prints in each pattern and measure how well they show the picture"
-PATTERNS = ("wave", "wave_offset", "offset")
+PATTERNS = {"wave": "paper", "wave_offset": "waves_set_back", "offset": "set_back"}
+"""The preset that each pattern is printed with."""
 TABLE = "plates"
 
 
@@ -29,8 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         "fit (default: 30)")  # fmt: skip
     parser.add_argument("--height", type=positive, default=35.5, metavar="MM", help="of the picture (default: 35.5)")
     parser.add_argument("--thickness", type=positive, default=2.0, metavar="MM", help="of the plate (default: 2)")
-    parser.add_argument("--patterns", type=_patterns, default=PATTERNS, metavar="NAMES", help="with commas between "
-                        f"them (default: {','.join(PATTERNS)})")  # fmt: skip
+    parser.add_argument("--patterns", type=_patterns, default=tuple(PATTERNS), metavar="NAMES", help="with commas "
+                        f"between them (default: {','.join(PATTERNS)})")  # fmt: skip
     parser.add_argument("--plain-contrast", action="store_true", help="leave the tones as they are, instead of "
                         "stretching them from black to white")  # fmt: skip
     parser.add_argument("--mm-per-pixel", type=positive, default=0.05, metavar="MM", help="of the photographs "
@@ -64,7 +65,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     Raises:
         PrintError: an image cannot be read, a plate cannot be printed, or a file cannot be written.
     """
-    settings = chosen_settings(args).changed({"texture_filter": "lanczos"})
+    settings = _settings(args)
     plate = picture_plate(args.width, args.height, args.thickness, settings)
     widest = 2 * settings.wavelength  # that a wave can be
     if min(plate.size[0] / widest, plate.size[1] / (PERIOD_LAYERS * settings.layer_height)) < 3:
@@ -72,7 +73,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     rows: list[tuple[str, str, PictureMatch]] = []
     with Progress() as progress:
         for number, image in enumerate(args.images):
-            found = _plates(args, image, plate, settings, (paths, files), (progress, number))
+            found = _plates(args, image, plate, (paths, files), (progress, number))
             rows += [(image.name, pattern, match) for pattern, match in found.items()]
     _write_tables(args, rows, plate, settings, paths, files)
     return [
@@ -82,11 +83,16 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     ]
 
 
+def _settings(args: argparse.Namespace, *presets: str) -> PrintSettings:
+    """Those chosen; presets that are named here come before all others."""
+    chosen = chosen_settings(argparse.Namespace(**{**vars(args), "preset": [*presets, *args.preset]}))
+    return chosen.changed({"texture_filter": "lanczos"})
+
+
 def _plates(
     args: argparse.Namespace,
     image: Path,
     plate: PictureShape,
-    settings: PrintSettings,
     outputs: tuple[dict[str, Path], OutputFiles],
     progress: tuple[Progress, int],
 ) -> dict[str, PictureMatch]:
@@ -105,11 +111,11 @@ def _plates(
     photographs, found, periods = {}, {}, {}
     for number, pattern in enumerate(args.patterns):
         bar.show((before + number / len(args.patterns)) / len(args.images), f"{image.name}, {pattern}")
-        chosen = settings.changed({"pattern": pattern})
+        chosen = _settings(args, PATTERNS[pattern]).changed({"pattern": pattern})
         with quiet_stdout():
             made = picture_print(picture, plate, chosen, image.stem, args.mm_per_pixel, args.samples)
         photographs[pattern], found[pattern] = made.photograph, made.match
-        periods[pattern] = (PERIOD_LAYERS * settings.layer_height, made.match.period_mm)
+        periods[pattern] = (PERIOD_LAYERS * chosen.layer_height, made.match.period_mm)
         if args.gcode:
             export_gcode(made.result, files.staged(paths[_gcode(image, pattern)]))
     drawn = sheet(picture.tone, photographs, periods, args.mm_per_pixel)

@@ -16,9 +16,9 @@ _SHEET_MM_PER_PIXEL = 0.1
 _HEAD = """# Pictures on plates
 
 Each picture is cut to {size} mm and filtered by Lanczos to {texels} texels, one a pair of layers, {layers} layers in
-all.{tones} The plates are printed in each pattern, predicted strand by
-strand, and photographed straight from the front in even white light. Photograph and picture are compared in linear
-light:
+all.{tones} The plates are printed in each pattern (`wave` with the preset `paper`, `wave_offset` with
+`waves_set_back`, `offset` with `set_back`) with calibrated tones, predicted strand by strand, and photographed straight
+from the front in even white light. Photograph and picture are compared in linear light:
 
 - *r*: both averaged over the pattern's own period, a wave wide and {period:g} mm high, a period and more from the
   edges;

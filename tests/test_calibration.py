@@ -242,11 +242,18 @@ def test_ours_has_three_times_the_papers_range():
     assert ours[-1] - ours[0] >= 3 * (papers[-1] - papers[0])
 
 
-def test_settings_that_the_table_does_not_hold_for_are_told():
+def test_settings_that_the_table_does_not_hold_for_are_told(monkeypatch, tmp_path):
     _, notes = calibrated(np.zeros(1), np.zeros(1), PrintSettings(layer_height=0.15, wave_depth_max=0.9))
     assert len(notes) == 1 and "layer_height 0.15 instead of" in notes[0] and "wave" not in notes[0].split("(")[1][:60]
-    _, notes = calibrated(np.zeros(1), np.zeros(1), PrintSettings(pattern="wave_offset"))
+    monkeypatch.setattr("dualcolor.core.calibration.calibrate.SHIPPED", tmp_path)
+    _, notes = calibrated(np.zeros(1), np.zeros(1), PrintSettings())
     assert "has no tone table" in notes[0]
+
+
+@pytest.mark.parametrize("presets", [[], ["paper"], ["waves_set_back"], ["set_back"]])
+def test_every_pattern_preset_has_its_table(presets):
+    chosen = PrintSettings().changed(preset_values(presets))
+    assert calibrated(np.zeros(1), np.zeros(1), chosen)[1] == []
 
 
 def test_the_print_is_modulated_by_the_calibrated_tone_and_keeps_the_one_asked_for():

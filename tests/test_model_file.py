@@ -116,7 +116,7 @@ def test_several_meshes_without_an_active_one_need_a_name(tmp_path):
         ("nothing.obj", None, "there is no file"),
         ("notes.txt", "hello", "is not a model file"),
         ("empty.obj", "", "is empty"),
-        ("nothing.stl", "solid nothing\nendsolid nothing\n", "cannot read|no faces|there is no mesh"),
+        ("nothing.stl", "solid nothing\nendsolid nothing\n", "holds no triangles"),
         ("comment.obj", "# nothing\n", "there is no mesh"),
         ("empty.stl", "", "is empty"),
         ("broken.glb", "hello", "cannot read"),
