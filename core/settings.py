@@ -5,31 +5,13 @@ The sidebar's properties, the command line and the header of the G-code are all 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import Field, asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
+from .declared import checked, setting
 from .errors import SettingsError
 from .printer import PrinterProfile, printer_names, printer_profile
-
-
-def setting(
-    default: Any,
-    description: str,
-    unit: str = "",
-    low: float | None = None,
-    high: float | None = None,
-    choices: tuple[str, ...] = (),
-    group: str = "print",
-) -> Any:
-    """Declare a field of `PrintSettings` with all that the panels and the validation need to know.
-
-    `low` and `high` are inclusive; `unit` is one of mm, mm/s, mm/s2, mm3, mm3/s, ms, °C, °, s, %, g/cm3, per kg or ""
-    (a plain number).
-    """
-    metadata = {"description": description, "unit": unit, "low": low, "high": high, "choices": choices, "group": group}
-    return field(default=default, metadata=metadata)
 
 
 @dataclass(frozen=True)
@@ -319,45 +301,3 @@ class PrintSettings:
                     f"there is no setting named {' '.join(name.split()):.60}", "docs/settings.md lists them all"
                 )
         return replace(self, **{name: checked(known[name], value) for name, value in values.items()})
-
-
-def checked(declared: Field[Any], value: Any) -> Any:
-    """The value in the declared type and within its limits.
-
-    Raises:
-        SettingsError: it does not fit.
-    """
-    name, limits, kind = declared.name, declared.metadata, type(declared.default)
-    try:
-        value = _converted(kind, value)
-    except (TypeError, ValueError, OverflowError):
-        raise SettingsError(f"{name} = {value!r:.60} is not {_KIND_NAMES[kind]}") from None
-    if limits["choices"] and value not in limits["choices"]:
-        raise SettingsError(f"{name} = {value!r:.60} is not one of {', '.join(limits['choices'])}")
-    if limits["low"] is not None and not limits["low"] <= value <= limits["high"]:
-        unit = f" {limits['unit']}" if limits["unit"] else ""
-        raise SettingsError(f"{name} = {value:g} is outside {limits['low']:g} to {limits['high']:g}{unit}")
-    return value
-
-
-_KIND_NAMES = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
-_TRUTH = {"true": True, "1": True, "yes": True, "on": True, "false": False, "0": False, "no": False, "off": False}
-
-
-def _converted(kind: type, value: Any) -> Any:
-    if kind is str:
-        if not isinstance(value, str):
-            raise TypeError
-        return value
-    if kind is bool:
-        if isinstance(value, str) and value.lower() in _TRUTH:
-            return _TRUTH[value.lower()]
-        if not isinstance(value, bool):
-            raise TypeError
-        return value
-    if isinstance(value, bool):
-        raise TypeError
-    number = float(value)
-    if not math.isfinite(number) or (kind is int and number != int(number)):
-        raise ValueError
-    return kind(number)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from .model import FloatArray
-from .texture.decode import linear_from_srgb
+from .texture.decode import linear_from_srgb, srgb_from_linear
 
 Picture = NDArray[np.uint8]
 """(H, W, 3), sRGB-encoded, row 0 at the top."""
@@ -92,9 +92,7 @@ def seen_from(picture: Picture, mm_per_pixel: float, distance_mm: float) -> Pict
 
 def encoded(light: FloatArray) -> Picture:
     """Linear light, 0 to 1, as sRGB in 8 bits (IEC 61966-2-1)."""
-    light = np.clip(light, 0.0, 1.0)
-    curve = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    return np.asarray(np.rint(curve * 255), dtype=np.uint8)
+    return np.asarray(np.rint(srgb_from_linear(light) * 255), dtype=np.uint8)
 
 
 def encoded_tone(light: float) -> float:
