@@ -70,27 +70,17 @@ def _nearest_pairs(points: FloatArray, layer: IntArray, reach: float) -> IntArra
     placed = shapely.points(points + np.stack([layer * pitch, np.zeros(len(layer))], axis=1))
     a, b = shapely.STRtree(placed).query(placed, predicate="dwithin", distance=reach)
     a, b = a[a < b], b[a < b]
-    gap = np.linalg.norm(points[a] - points[b], axis=1)
+    order = np.lexsort((b, a, np.linalg.norm(points[a] - points[b], axis=1)))
+    a, b = a[order], b[order]
     while len(a):
-        nearest = np.full(len(points), np.inf)
-        np.minimum.at(nearest, a, gap)
-        np.minimum.at(nearest, b, gap)
-        mutual = np.flatnonzero((gap == nearest[a]) & (gap == nearest[b]))
-        # Of pairs that are equally near the first ones that share no end.
-        _, first_a = np.unique(a[mutual], return_index=True)
-        mutual = mutual[np.sort(first_a)]
-        _, first_b = np.unique(b[mutual], return_index=True)
-        mutual = mutual[np.sort(first_b)]
-        taken = np.zeros(len(points), dtype=bool)
-        ends_a, ends_b = a[mutual], b[mutual]
-        apart = ~np.isin(ends_a, ends_b) & ~np.isin(ends_b, ends_a)
-        if not apart.any():
-            apart[0] = True
-        ends_a, ends_b = ends_a[apart], ends_b[apart]
-        partner[ends_a], partner[ends_b] = ends_b, ends_a
-        taken[ends_a] = taken[ends_b] = True
-        free = ~taken[a] & ~taken[b]
-        a, b, gap = a[free], b[free], gap[free]
+        rank = np.arange(len(a))
+        best = np.full(len(points), len(a))
+        np.minimum.at(best, a, rank)
+        np.minimum.at(best, b, rank)
+        joined = (best[a] == rank) & (best[b] == rank)
+        partner[a[joined]], partner[b[joined]] = b[joined], a[joined]
+        free = (partner[a] < 0) & (partner[b] < 0)
+        a, b = a[free], b[free]
     return partner
 
 
