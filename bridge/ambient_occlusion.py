@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core.errors import TextureError
 from ..core.model import Float32Array
+from ..core.progress import drained
 from ..core.texture.decode import linear_from_srgb, srgb_from_linear
 from .units import mm_per_unit
 
@@ -77,12 +78,7 @@ def occlusion(
     obj: bpy.types.Object, size: tuple[int, int], distance_mm: float = DISTANCE_MM, samples: int = SAMPLES
 ) -> Float32Array:
     """What `occlusion_steps` returns, all at once."""
-    job = occlusion_steps(obj, size, distance_mm, samples)
-    while True:
-        try:
-            next(job)
-        except StopIteration as finished:
-            return finished.value
+    return drained(occlusion_steps(obj, size, distance_mm, samples))
 
 
 def darkened(image: bpy.types.Image, shade: Float32Array, strength: float) -> bpy.types.Image:

@@ -25,6 +25,7 @@ from .pattern.slant import slant_along
 from .pattern.solid_regions import solid_regions, solid_report, with_solid_regions
 from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
 from .plate import object_rows, plate_warnings
+from .progress import Progress, drained
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
 from .slicing.planes import line_widths
@@ -44,7 +45,6 @@ from .toolpaths.skirt import skirt_warnings
 from .toolpaths.surroundings import ground, surrounding_paths
 from .toolpaths.travels import Rooms, rooms
 
-Progress = tuple[float, str]
 # Outlines behind the wave may differ from the true ones by this much, mm.
 FILL_TOLERANCE = 0.02
 
@@ -87,15 +87,7 @@ def generate(
     Raises:
         PrintError: the input cannot be printed.
     """
-    job = steps(model, settings, cache)
-    while True:
-        try:
-            done, stage = next(job)
-        except StopIteration as finished:
-            result: DualColorPrint = finished.value
-            return result
-        if on_progress:
-            on_progress(done, stage)
+    return drained(steps(model, settings, cache), lambda step: on_progress(*step) if on_progress else None)
 
 
 def steps(

@@ -7,10 +7,8 @@ import bpy
 from ..bridge.curves import source_of
 from ..bridge.orientations import keep_orientations
 from ..bridge.overlays import overlays_of, remove_analysis, show_analysis
-from ..bridge.plate import plate_model
-from ..bridge.properties import to_settings
 from ..core.analysis.study import analysis_steps
-from .generate import has_printable
+from .generate import active_model, has_printable
 from .job import JobOperator, Steps
 
 
@@ -29,9 +27,7 @@ class DUALCOLOR_OT_analyse(JobOperator, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         """Analyse the active object alone."""
         yield 0.0, "reading the object"
-        obj = source_of(context.object)
-        settings = to_settings(obj.dualcolor)
-        model = plate_model([obj], context.evaluated_depsgraph_get(), settings, [obj.dualcolor.image])
+        obj, model, settings = active_model(context)
         found = yield from analysis_steps(model, settings)
         show_analysis(found, obj)
         keep_orientations(obj, found.orientations)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import bpy
 
 from ..bridge.model_check import TITLES, Findings, check_steps, repair, select
 from ..bridge.properties import set_findings
+from ..core.progress import Progress, retold
 from .job import JobOperator, Steps
 from .unwrap import has_mesh
 
@@ -88,15 +91,9 @@ class DUALCOLOR_OT_repair_model(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _checked(obj: bpy.types.Object) -> Steps:
-    job = check_steps(obj, _LINES_OF_A_WALL * obj.dualcolor.extrusion_width)
-    while True:
-        try:
-            share = next(job)
-        except StopIteration as finished:
-            found: Findings = finished.value
-            return found
-        yield share, "checking the model"
+def _checked(obj: bpy.types.Object) -> Generator[Progress, None, Findings]:
+    least_wall = _LINES_OF_A_WALL * obj.dualcolor.extrusion_width
+    return retold(check_steps(obj, least_wall), lambda share: (share, "checking the model"))
 
 
 OPERATORS = (DUALCOLOR_OT_check_model, DUALCOLOR_OT_select_finding, DUALCOLOR_OT_repair_model)

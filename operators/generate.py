@@ -11,7 +11,10 @@ from ..bridge.mesh_input import WITH_SURFACE
 from ..bridge.plate import check_present, objects_to_print, plate_model
 from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept, stages_of
-from ..core.pipeline import DualColorPrint, Progress, steps
+from ..core.model import SurfaceModel
+from ..core.pipeline import DualColorPrint, steps
+from ..core.progress import Progress, retold
+from ..core.settings import PrintSettings
 from .job import JobOperator, Steps
 
 _SHARE_OF_PIPELINE = 0.95
@@ -24,6 +27,17 @@ def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> 
         cls.poll_message_set("Select a mesh object first")
         return False
     return True
+
+
+def active_model(context: bpy.types.Context) -> tuple[bpy.types.Object, SurfaceModel, PrintSettings]:
+    """The active object alone, as it is now: the object, its surface and its settings.
+
+    Raises:
+        PrintError: it cannot be read.
+    """
+    obj = source_of(context.object)
+    settings = to_settings(obj.dualcolor)
+    return obj, plate_model([obj], context.evaluated_depsgraph_get(), settings, [obj.dualcolor.image]), settings
 
 
 def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None, DualColorPrint]:
@@ -48,7 +62,8 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
     digest = digest_of(model, settings)
     result = kept(obj, digest) if reuse else None
     if result is None:
-        result = yield from _scaled(steps(model, settings, stages_of(obj)))
+        job = steps(model, settings, stages_of(obj))
+        result = yield from retold(job, lambda step: (step[0] * _SHARE_OF_PIPELINE, step[1]))
         yield _SHARE_OF_PIPELINE, "strands"
         check_present(objects)
         build_preview(result, obj, others)
@@ -61,15 +76,6 @@ def names_of(result: DualColorPrint) -> str:
     """The name of the print and how many objects it has beside that one."""
     more = len(result.report["objects"]) - 1
     return f"{result.name} and {more} more" if more else result.name
-
-
-def _scaled(job: Generator[Progress, None, DualColorPrint]) -> Generator[Progress, None, DualColorPrint]:
-    while True:
-        try:
-            share, stage = next(job)
-        except StopIteration as finished:
-            return finished.value
-        yield share * _SHARE_OF_PIPELINE, stage
 
 
 class DUALCOLOR_OT_generate(JobOperator, bpy.types.Operator):

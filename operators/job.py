@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..core.errors import PrintError
+from ..core.progress import drained
 
 Steps = Generator[tuple[float, str], None, str]
 """Yields (share done, what comes next), returns the message to report."""
@@ -41,7 +42,7 @@ class JobOperator:
         manager = context.window_manager
         manager.progress_begin(0, 100)
         try:
-            message = self._drained(self.steps(context), manager)
+            message = drained(self.steps(context), lambda step: manager.progress_update(100 * step[0]))
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
@@ -92,14 +93,6 @@ class JobOperator:
         context.workspace.status_text_set(None)
         JobOperator.running = None
         _redraw_sidebars(context)
-
-    @staticmethod
-    def _drained(job: Steps, manager: bpy.types.WindowManager) -> str:
-        while True:
-            try:
-                manager.progress_update(100 * next(job)[0])
-            except StopIteration as finished:
-                return finished.value
 
     def _show(self, context: bpy.types.Context, share: float, stage: str) -> None:
         JobOperator.running = Progress(share, stage, type(self).bl_idname)

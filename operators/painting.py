@@ -14,6 +14,7 @@ from ..bridge.painting import (
     set_up_painting,
 )
 from ..core.errors import PrintError
+from ..core.progress import retold
 from ..core.texture.decode import LUMINANCE
 from ..core.texture.grade import Grade
 from .job import JobOperator, Steps
@@ -137,12 +138,7 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         texel = obj.dualcolor.layer_height / 2
         size = tuple(former.size) if former else (picture_size(obj, texel),) * 2
         job = occlusion_steps(obj, size, self.distance, self.samples)
-        while True:
-            try:
-                yield next(job), "baking ambient occlusion"
-            except StopIteration as finished:
-                shade = finished.value
-                break
+        shade = yield from retold(job, lambda share: (share, "baking ambient occlusion"))
         image = former or give_picture(obj, texel, 1.0)
         made = darkened(image, shade, self.strength)
         exchange_picture(obj, image, made)

@@ -17,7 +17,8 @@ from ..pattern.quality import SeamErrors, seam_errors
 from ..pattern.sampling import Projector, Samples
 from ..pattern.slant import slant_along
 from ..pattern.wave import average_along_wall, modulated
-from ..pipeline import Progress, pattern_samples, pattern_tone
+from ..pipeline import pattern_samples, pattern_tone
+from ..progress import Progress, drained
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..slicing.slices import slices
@@ -73,15 +74,7 @@ def analyse(
     Raises:
         PrintError: the input cannot be printed.
     """
-    job = analysis_steps(model, settings)
-    while True:
-        try:
-            done, stage = next(job)
-        except StopIteration as finished:
-            result: Analysis = finished.value
-            return result
-        if on_progress:
-            on_progress(done, stage)
+    return drained(analysis_steps(model, settings), lambda step: on_progress(*step) if on_progress else None)
 
 
 def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, None, Analysis]:
