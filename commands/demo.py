@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..core.errors import OutputError
-from ..core.outputs import OutputFiles
+from ..core.outputs import OutputFiles, make_folder
 from .arguments import add_settings, chosen_settings
 from .pictures import add_pictures, picture_options, picture_outputs
 from .produce import produce
@@ -31,10 +30,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     Raises:
         OutputError: the folder cannot be made.
     """
-    try:
-        args.out.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
+    make_folder(args.out)
     named = {kind: args.out / f"suzanne{suffix}" for kind, suffix in SUFFIXES.items()}
     return named | picture_outputs(args, args.out / "suzanne.png", None)
 

@@ -7,8 +7,8 @@ import time
 from pathlib import Path
 
 from ..core.calibration.sweep import BLOCKS, read_sweep, sweep_path, write_sweep
-from ..core.errors import CalibrationError, OutputError
-from ..core.outputs import OutputFiles
+from ..core.errors import CalibrationError
+from ..core.outputs import OutputFiles, make_folder
 from .arguments import add_settings, chosen_settings
 from .terminal import Progress
 
@@ -49,10 +49,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     from ..bridge.quiet import quiet_stdout
 
     settings = chosen_settings(args)
-    try:
-        args.out.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
+    make_folder(args.out)
     jobs = [(slant, block) for slant in args.slants for block in args.blocks]
     wanted, lines = about(settings, args.light), []
     with Progress() as progress:

@@ -6,8 +6,8 @@ import argparse
 import json
 from pathlib import Path
 
-from ..core.errors import OutputError, SettingsError
-from ..core.outputs import OutputFiles
+from ..core.errors import SettingsError
+from ..core.outputs import OutputFiles, make_folder
 from ..core.picture_match import PERIOD_LAYERS, PictureMatch
 from ..core.picture_shapes import PictureShape, fitted, picture_plate
 from ..core.settings import PrintSettings
@@ -47,10 +47,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     Raises:
         OutputError: the folder cannot be made.
     """
-    try:
-        args.out.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise OutputError(f"the folder {args.out} cannot be made", problem.strerror or "") from None
+    make_folder(args.out)
     paths = {"table": args.out / f"{TABLE}.md", "report": args.out / f"{TABLE}.json"}
     for image in args.images:
         paths[_sheet(image)] = args.out / f"{TABLE}_{image.stem}.png"

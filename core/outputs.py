@@ -88,6 +88,18 @@ def _unwind(number: int, _frame: FrameType | None) -> None:
     raise SystemExit(128 + number)
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder for output files, unless it is there.
+
+    Raises:
+        OutputError: it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise OutputError(f"the folder {path} cannot be made", problem.strerror or "") from None
+
+
 def _is_device(path: Path) -> bool:
     """Whether a path is something like /dev/null, which must not be renamed over."""
     return path.exists() and not path.is_file()
