@@ -10,10 +10,9 @@ import bpy
 from ..bridge.curves import source_of
 from ..bridge.orientations import orientations_of
 from ..bridge.overlays import COLOUR_KEY, analysis_of, overlays_of
-from ..bridge.properties import values_of
 from ..operators.analyse import DUALCOLOR_OT_analyse, DUALCOLOR_OT_remove_analysis
 from ..operators.orientation import DUALCOLOR_OT_apply_orientation, DUALCOLOR_OT_suggest_orientation
-from .rows import draw_progress, draw_sentence
+from .rows import draw_figures, draw_outdated, draw_progress, draw_sentence
 from .scrubber import swatch
 from .tab import ObjectPanel
 
@@ -34,13 +33,8 @@ class DUALCOLOR_PT_analysis(ObjectPanel, bpy.types.Panel):
         report = analysis_of(obj)
         if not report:
             return
-        if report["settings"] != values_of(obj.dualcolor):
-            layout.label(text="Settings have changed since", icon="FILE_REFRESH")
-        table = layout.column(align=True)
-        for label, value in analysis_figures(report):
-            row = table.split(factor=0.5)
-            row.label(text=label)
-            row.label(text=value)
+        draw_outdated(layout, report, obj.dualcolor)
+        draw_figures(layout, analysis_figures(report), factor=0.5)
         if report["pattern"]:
             _draw_histogram(layout, report["pattern"])
         for warning in report["warnings"]:

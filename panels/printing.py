@@ -5,11 +5,11 @@ from __future__ import annotations
 import bpy
 
 from ..bridge.curves import source_of
-from ..bridge.properties import report_of, values_of
+from ..bridge.properties import report_of
 from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from ..operators.generate import DUALCOLOR_OT_generate
 from .results import figures
-from .rows import draw_progress, draw_sentence, draw_settings
+from .rows import draw_figures, draw_outdated, draw_progress, draw_sentence, draw_settings
 from .sections import PRINT
 from .tab import ObjectPanel, order_of
 
@@ -46,13 +46,8 @@ class DUALCOLOR_PT_results(ObjectPanel, bpy.types.Panel):
         if not report:
             layout.label(text="Nothing generated yet")
             return
-        if report["settings"] != values_of(group):
-            layout.label(text="Settings have changed since", icon="FILE_REFRESH")
-        table = layout.column(align=True)
-        for label, value in figures(report):
-            row = table.split(factor=0.4)
-            row.label(text=label)
-            row.label(text=value)
+        draw_outdated(layout, report, group)
+        draw_figures(layout, figures(report), factor=0.4)
         for warning in report["warnings"]:
             draw_sentence(layout, context, warning)
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
+from typing import Any
 
 import bpy
 
+from ..bridge.properties import values_of
 from ..operators.job import JobOperator
 from .sections import Section
 
@@ -28,6 +31,21 @@ def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, text: 
     column.scale_y = 0.8
     for number, line in enumerate(wrapped(text, context.region.width, context.preferences.system.ui_scale)):
         column.label(text=line, icon="BLANK1" if number else icon)
+
+
+def draw_figures(layout: bpy.types.UILayout, figures: Iterable[tuple[str, str]], factor: float) -> None:
+    """A table of labels and values; the labels take the share `factor` of its width."""
+    table = layout.column(align=True)
+    for label, value in figures:
+        row = table.split(factor=factor)
+        row.label(text=label)
+        row.label(text=value)
+
+
+def draw_outdated(layout: bpy.types.UILayout, report: dict[str, Any], group: bpy.types.PropertyGroup) -> None:
+    """A hint if the settings are others than those of the report."""
+    if report["settings"] != values_of(group):
+        layout.label(text="Settings have changed since", icon="FILE_REFRESH")
 
 
 def wrapped(text: str, width_px: float, scale: float) -> list[str]:
