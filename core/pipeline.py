@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,18 +110,12 @@ def steps(
     mesh = cache.former("mesh", triangulate(model, settings))
     # What does not wait for the stages in between runs beside them; leaving the block waits for it.
     with ThreadPoolExecutor(1) as beside:
+
+        def aside(name: str, work: Callable[..., Any], *inputs: Any) -> Future[Any]:
+            return beside.submit(clock.timed, name, run, name, work, *inputs)
+
         footprint = 2 * settings.layer_height
-        painting = beside.submit(
-            clock.timed,
-            "texture",
-            run,
-            "texture",
-            build_pyramids,
-            mesh,
-            model.textures,
-            footprint,
-            settings.texture_filter,
-        )
+        painting = aside("texture", build_pyramids, mesh, model.textures, footprint, settings.texture_filter)
         yield stage(0.05, "slicing")
         cut = run("slicing", slices, mesh, settings)
         yield stage(0.2, "contours")
@@ -131,8 +125,8 @@ def steps(
         samples = run("sampling", pattern_samples, lines, projector, settings)
         yield stage(0.4, "texture")
         pyramids = painting.result()
-        fit = beside.submit(clock.timed, "seam errors", run, "seam errors", seam_errors, lines, samples, projector)
-        paint = beside.submit(clock.timed, "slopes", run, "slopes", face_contrast, mesh, pyramids, settings)
+        fit = aside("seam errors", seam_errors, lines, samples, projector)
+        paint = aside("slopes", face_contrast, mesh, pyramids, settings)
         yield stage(0.45, "tone")
         tone = run("tone", pattern_tone, lines, pyramids, settings)
         del painting, pyramids  # as large as the moves that are to come
@@ -152,32 +146,31 @@ def steps(
         within = run("rooms", rooms, inside, cut.polygon_layer, cut.regions)
         moves = run("toolpaths", _moves, outlines, fill, holding, cut, within, settings)
         # Not beside the toolpaths, whose tables are as large as its own: memory would grow by a third.
-        alone = beside.submit(
-            clock.timed, "single color", run, "single color", single_color_seconds,
-            outlines, inner, cut.layers, settings, within,
-        )  # fmt: skip
+        alone = aside("single color", single_color_seconds, outlines, inner, cut.layers, settings, within)
         yield stage(0.9, "analysis")
         pattern = fit.result().shares(len(samples.arc))
         slopes = slope_report(mesh, paint.result())
         single_color = alone.result()
-    warnings = plate_warnings(model, mesh, cut.overlaps, settings) + _warnings(cut, lines, samples, settings)
-    warnings += size_warnings(mesh, model.name, settings)
-    report = _report(model, mesh, cut, moves, settings)
     thin = thin_report(run("thin features", thin_features, cut, lines, settings), cut)
-    warnings += thin_warnings(thin, settings)
     seconds = run("time", _seconds, moves, settings)
-    warnings += skirt_warnings(moves, settings)
-    warnings += slope_warnings(slopes)
-    warnings += standby_warnings(moves, seconds, settings)
-    warnings += notes
+    warnings = [
+        *plate_warnings(model, mesh, cut.overlaps, settings),
+        *_warnings(cut, lines, samples, settings),
+        *size_warnings(mesh, model.name, settings),
+        *thin_warnings(thin, settings),
+        *skirt_warnings(moves, settings),
+        *slope_warnings(slopes),
+        *standby_warnings(moves, seconds, settings),
+        *notes,
+    ]
+    report = _report(model, mesh, cut, moves, settings)
     report |= {"time_s": time_report(moves, settings, single_color, seconds)}
-    report |= {"filament": filament_report(moves, settings)}
+    report |= {"filament": filament_report(moves, settings)} | solid
+    report |= {"pattern": pattern, "slopes": slopes, "thin_features": thin, "warnings": warnings}
     cache.trim()
     clock.stop()
-    report |= solid
-    report |= {"pattern": pattern, "slopes": slopes, "stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
-    report |= {"beside_s": clock.beside}
-    report |= {"peak_rss_mb": peak_rss_mb(), "thin_features": thin, "warnings": warnings}
+    report |= {"stages_s": clock.seconds, "total_s": sum(clock.seconds.values())}
+    report |= {"beside_s": clock.beside, "peak_rss_mb": peak_rss_mb()}
     return DualColorPrint(
         settings, model.name, mesh, cut, outlines, moves, layer_begins(moves, seconds), report, warnings
     )

@@ -1,6 +1,7 @@
 """The whole job on small solids, and on real models: order, tools, amounts, report, files."""
 
 import json
+import threading
 
 import numpy as np
 import pytest
@@ -223,9 +224,14 @@ def test_progress_rises_and_names_the_stages():
 
 def test_a_job_can_be_dropped_half_way():
     job = steps(cylinder(radius=6, height=1), SMALL)
+    before = threading.active_count()
     for _ in range(4):
         next(job)
+    assert threading.active_count() > before  # the textures are prepared beside the slicing
     job.close()
+    assert threading.active_count() == before
+    with pytest.raises(StopIteration):
+        next(job)
 
 
 def test_an_object_that_leaves_no_room_is_refused():
