@@ -63,19 +63,16 @@ def recovered_moves(
     kind[~lays & (fed != 0)] = Feature.RETRACT
     way[lays] = np.maximum(way[lays], 1e-6)
     layer, height = _layers(position[:, 2], lays)
-    diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    section = fed * (np.pi / 4 / settings.extrusion_multiplier) * diameter**2
     rows = np.flatnonzero(lays)
-    area, way = section[rows] / height[rows], way[rows]
-    doubt = 1.42 * steps[0] / way + steps[1] / fed[rows]  # both ends of a move may be off by half a diagonal
+    diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)[rows]
+    section = fed[rows] * (np.pi / 4 / settings.extrusion_multiplier) * diameter**2
     begins = np.ones(len(rows), dtype=bool)
     begins[1:] = (np.diff(rows) > 1) | (np.diff(layer[rows]) != 0) | (np.diff(kind[rows]) != 0)
+    doubt = 1.42 * steps[0] / way[rows] + steps[1] / fed[rows]  # both ends may be off by half a diagonal
     width = np.zeros(len(tool))
-    width[rows] = _widths(area, way, doubt, begins, settings.extrusion_width)
+    width[rows] = _widths(section / height[rows], way[rows], doubt, begins, settings.extrusion_width)
     if told is not None:
-        named = told[kept][rows]
-        agrees = np.abs(area - named * way) <= (doubt * named + _TOLD_STEP) * way
-        width[rows] = np.where(agrees, named, width[rows])
+        width[rows] = _told_widths(told[kept][rows], width[rows], section / height[rows], way[rows], doubt)
     end = slice(int(rows[-1]) + 1)
     return Moves(position[end], tool[end], kind[end], layer[end], width[end], height[end], speed[end], fed[end])
 
@@ -115,6 +112,14 @@ def _until_next(values: IntArray, marked: BoolArray) -> IntArray:
     """(M,) the value of the next marked row, of the last one after that."""
     count: IntArray = np.cumsum(marked) - marked
     return np.asarray(values[np.minimum(count, len(values) - 1)], dtype=np.int64)
+
+
+def _told_widths(
+    told: FloatArray, width: FloatArray, area: FloatArray, way: FloatArray, doubt: FloatArray
+) -> FloatArray:
+    """(K,) mm, the widths that the file names where the filament agrees with them, the others elsewhere."""
+    agrees = np.abs(area - told * way) <= (doubt * told + _TOLD_STEP) * way
+    return np.where(agrees, told, width)
 
 
 def _widths(area: FloatArray, way: FloatArray, doubt: FloatArray, begins: BoolArray, usual: float) -> FloatArray:
