@@ -21,7 +21,8 @@ import numpy as np  # noqa: E402
 from dualcolor.bridge.image_input import image_tone, load_image  # noqa: E402
 from dualcolor.bridge.picture_print import picture_print  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
-from dualcolor.core.calibration.calibrate import shipped_table, targets  # noqa: E402
+from dualcolor.core.calibration.calibrate import shipped_table  # noqa: E402
+from dualcolor.core.calibration.gamut_mapping import image_range, targets  # noqa: E402
 from dualcolor.core.model import ToneImage  # noqa: E402
 from dualcolor.core.picture_match import averaged, enlarged, in_pixels  # noqa: E402
 from dualcolor.core.picture_shapes import fitted, picture_plate  # noqa: E402
@@ -70,7 +71,8 @@ def row(title: str, tone: ToneImage, settings: PrintSettings) -> Image.Image:
         with quiet_stdout():
             made = picture_print(picture, plate, settings.changed({"calibration": way}), title, MM_PER_PIXEL, SAMPLES)
         asked = enlarged(picture.tone, made.photograph.shape)[::-1].ravel()
-        wanted = targets(table, "compress", asked)[0].reshape(made.photograph.shape)
+        shown_tones = image_range(asked, MM_PER_PIXEL**2)
+        wanted = targets(table, "compress", asked, shown_tones)[0].reshape(made.photograph.shape)
         shown[way] = made.photograph.astype(np.float64)
         error = tone_error(shown[way], wanted)
         print(f"{title}, {way}: correlation {made.match.correlation:.4f}, tone error {error:.2f} in L*", flush=True)

@@ -118,7 +118,7 @@ class PrintSettings:
     calibration_file: str = setting("", "The tone table for calibration = file, made by build-table", group="texture")
     gamut_mapping: str = setting(
         "compress",
-        "Tones out of reach: all are compressed to the printable range, or what is beyond it is clipped",
+        "Tones out of reach: the picture's range is compressed to the printable one, or what is beyond it is clipped",
         choices=("clip", "compress"),
         group="texture",
     )

@@ -8,7 +8,8 @@ bpy = pytest.importorskip("bpy")
 from dualcolor.bridge import gonioreflectometer  # noqa: E402
 from dualcolor.bridge.gonioreflectometer import measure, read_tile  # noqa: E402
 from dualcolor.cli import main  # noqa: E402
-from dualcolor.core.calibration.calibrate import shipped_table, targets  # noqa: E402
+from dualcolor.core.calibration.calibrate import shipped_table  # noqa: E402
+from dualcolor.core.calibration.gamut_mapping import WHOLE_RANGE, targets  # noqa: E402
 from dualcolor.core.calibration.sweep import read_sweep, sweep_path  # noqa: E402
 from dualcolor.core.calibration.table import read_table  # noqa: E402
 from dualcolor.core.calibration.tile import profile_tile, step_tile  # noqa: E402
@@ -32,7 +33,7 @@ def test_calibrated_print_shows_the_tones_asked_for(quick, slant):
     tile = profile_tile(slant, 0.25, tone, 60.0)
     chosen = PrintSettings()
     row = int(slant / 10)
-    dark, light = targets(shipped_table(chosen), "compress", np.array([0.0, 1.0]))[row]
+    dark, light = targets(shipped_table(chosen), "compress", np.array([0.0, 1.0]), WHOLE_RANGE)[row]
     error = {}
     for way in ("slope_aware", "none"):
         seen, _ = read_tile(tile, chosen.changed({"calibration": way}), 4.8, [(0.0, 0.0)])

@@ -49,6 +49,13 @@ class ToneTable:
         rows = zip(target, self.reflectance + rise, strict=True)
         return np.stack([np.interp(wanted, row, self.tone) for wanted, row in rows])
 
+    def seen(self, printed: FloatArray, slant_deg: FloatArray) -> FloatArray:
+        """(W, K) the reflectance of tones printed (W, K) on walls of some slopes (W,), face on."""
+        rows = np.stack([[np.interp(tones, self.tone, row) for row in self.reflectance] for tones in printed])
+        at = np.interp(slant_deg, self.slant_deg, np.arange(len(self.slant_deg)))
+        share = np.clip(1.0 - np.abs(at[:, None] - np.arange(len(self.slant_deg))), 0.0, 1.0)
+        return np.asarray(np.einsum("ws,wsk->wk", share, rows))
+
 
 def table_of(sweeps: Sequence[Sweep]) -> ToneTable:
     """The table that the face-on readings of some tiles make, one of each slope.
