@@ -2,7 +2,8 @@
 
 import numpy as np
 import shapely
-from dualcolor.core.texture.islands import components, rasterised
+from dualcolor.core.texture.islands import components
+from dualcolor.core.texture.labels import rasterised
 
 
 def test_texels_are_labelled_where_their_centre_is_inside():

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import TextureError
 from dualcolor.core.model import ToneImage, TriangleMesh
-from dualcolor.core.texture.islands import NO_ISLAND, rasterised, uv_islands
+from dualcolor.core.texture.islands import NO_ISLAND, uv_islands
+from dualcolor.core.texture.labels import rasterised
 from dualcolor.core.texture.lookup import tone_at
 from dualcolor.core.texture.pyramid import build_pyramids
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from ..errors import TextureError
 from ..model import Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
-from .islands import NO_ISLAND, LabelImage, rasterised, uv_islands
+from .islands import NO_ISLAND, LabelImage, uv_islands
+from .labels import rasterised
 from .lanczos import reduced, texel_spacing
 
 
@@ -50,7 +51,7 @@ class Picture:
     repeats: bool
 
 
-_BAND_TEXELS = 1 << 22
+_BAND_TEXELS, _CHUNK_FACES = 1 << 22, 1 << 17  # worked on at once
 
 
 @dataclass(frozen=True)
@@ -97,15 +98,16 @@ def build_pyramids(
         if not len(faces):
             pictures.append(Picture((), height, width, False))
             continue
-        uv = mesh.face_uv[faces]
+        everywhere = len(faces) == len(mesh.faces)
+        uv = mesh.face_uv if everywhere else mesh.face_uv[faces]
         labels, island[faces] = rasterised(uv, island[faces], height, width)
         base = _finest(image, labels)
-        corners = mesh.vertices[mesh.faces[faces]]
         if texture_filter == "lanczos":
+            corners = mesh.vertices[mesh.faces[faces]]
             levels: tuple[Level, ...] = (_reduced_level(base, corners, uv, footprint_mm),)
         else:
             levels = _halved_to_one(base)
-            level[faces] = _levels(corners, uv * [width, height], footprint_mm, len(levels))
+            level[faces] = _levels(mesh, faces, (width, height), footprint_mm, len(levels))
         pictures.append(Picture(levels, height, width, bool(uv.min() < -1e-6 or uv.max() > 1 + 1e-6)))
     return TexturePyramids(texture_filter, tuple(pictures), mesh.face_texture, island, level)
 
@@ -132,15 +134,19 @@ def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_m
     return Level(height, width, paint.ravel(), alpha.ravel(), None, np.zeros(paint.size, dtype=np.int32))
 
 
-def _levels(corners: FloatArray, texels: FloatArray, footprint_mm: float, count: int) -> FloatArray:
-    """Level (T,) of each face, 0 to count - 1, from its areas in mm² and in texels; 0 where either is nothing."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    area_mm2 = np.linalg.norm(np.cross(a, b), axis=1)
-    p, q = texels[:, 1] - texels[:, 0], texels[:, 2] - texels[:, 0]
-    area_texels = np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
-    sound = (area_mm2 > 0) & (area_texels > 0)
-    ratio = np.where(sound, area_texels, 1.0) / np.where(sound, area_mm2, 1.0)
-    level = np.where(sound, np.log2(footprint_mm) + 0.5 * np.log2(ratio), 0.0)
+def _levels(mesh: TriangleMesh, faces: IntArray, size: tuple[int, int], footprint_mm: float, count: int) -> FloatArray:
+    """Level (T,) of some faces, 0 to count - 1, from their areas in mm² and in texels; 0 where either is nothing."""
+    level = np.zeros(len(faces))
+    for begin in range(0, len(faces), _CHUNK_FACES):
+        part = faces[begin : begin + _CHUNK_FACES]
+        corners, texels = mesh.vertices[mesh.faces[part]], mesh.face_uv[part] * size
+        a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        area_mm2 = np.linalg.norm(np.cross(a, b), axis=1)
+        p, q = texels[:, 1] - texels[:, 0], texels[:, 2] - texels[:, 0]
+        area_texels = np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
+        sound = (area_mm2 > 0) & (area_texels > 0)
+        ratio = np.where(sound, area_texels, 1.0) / np.where(sound, area_mm2, 1.0)
+        level[begin : begin + len(part)] = np.where(sound, np.log2(footprint_mm) + 0.5 * np.log2(ratio), 0.0)
     return np.clip(level, 0.0, count - 1.0)
 
 

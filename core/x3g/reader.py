@@ -86,7 +86,8 @@ def read_x3g(data: bytes) -> Commands:
     distance, speed = np.full(len(code), np.nan), np.full(len(code), np.nan)
     planned = np.flatnonzero(code == Command.MOVE)
     records = _records(content, offset[planned])
-    distance[planned], speed[planned] = records["distance"], records["speed"] / 64
+    with np.errstate(invalid="ignore"):  # a length that is no number is a finding of the audit
+        distance[planned], speed[planned] = records["distance"], records["speed"] / 64
     return Commands(content, offset, code, tool, steps, known, distance, speed)
 
 
