@@ -22,8 +22,9 @@ from ..core.errors import PrintError
 from ..core.model import Float32Array, FloatArray
 from ..core.settings import PrintSettings
 from ..core.toolpaths.moves import Feature, Moves
-from .curves import set_drawing, strand_objects
+from .curves import draws_straight, read_strands, set_drawing, strand_objects
 from .render import leaving_no_trace
+from .render_rods import render_rods
 from .studio import camera_axes
 
 LIGHTS = ("even", "lamp")
@@ -152,6 +153,8 @@ def mounted(moves: Moves, settings: PrintSettings, face: Face, light: str = "eve
         scene = bpy.data.scenes.new("Instrument")
         centre = np.array(face.centre)
         for made in strand_objects(laid, settings.black_tool, 1.0, -centre):
+            if not draws_straight(scene):
+                made.data = render_rods(made, *read_strands(made)[:3], scene)
             scene.collection.objects.link(made)
         reach = float(np.linalg.norm(laid.points - centre, axis=1).max()) + face.width + face.height
         _add_camera(scene, reach)

@@ -17,11 +17,11 @@ from PIL import Image
 from ..core.errors import OutputError, PrintError
 from ..core.files import write_file
 from ..core.model import FloatArray, SurfaceModel
-from ..core.smooth_rods import for_smooth_curves
 from ..core.toolpaths.moves import Feature
 from ..core.viewing import Picture
-from .curves import STRANDS_KEY, draws_straight, new_curves, read_strands, set_drawing
+from .curves import STRANDS_KEY, read_strands, set_drawing
 from .painted import painted_model
+from .render_rods import render_rods
 from .studio import Studio
 from .units import mm_per_unit
 
@@ -169,10 +169,8 @@ def _copy_strands(
     ]
     factor = STUDIO_SIZE / float(np.linalg.norm(np.ptp(np.concatenate(world), axis=0)))
     for (shown, points, counts, radius), matrix in zip(wanted, matrices, strict=True):
-        rods = points * factor, counts, radius * factor
-        data = new_curves(shown.name, *(rods if draws_straight(scene) else for_smooth_curves(*rods)), {})
-        data.materials.append(shown.data.materials[0])
-        copy = bpy.data.objects.new(shown.name, data)
+        rods = render_rods(shown, points * factor, counts, radius * factor, scene)
+        copy = bpy.data.objects.new(shown.name, rods)
         matrix[:3, 3] *= factor
         copy.matrix_world = Matrix(matrix.tolist())
         scene.collection.objects.link(copy)

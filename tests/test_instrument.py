@@ -73,6 +73,19 @@ def test_picture_is_of_the_face_from_every_side(empty, angles):
     assert np.ptp(column) + 1 >= 10.0
 
 
+def test_rods_are_straight_and_have_round_ends(empty):
+    """Whatever curves this Blender's Cycles draws: a long step before a short one around a corner, seen from above."""
+    path = np.array([[2.0, 0, 5], [7.0, 0, 5], [7.0, 0.15, 5], [7.0, 2.0, 5]])
+    moves = Moves.joined([lines(path[[k, k + 1]][None]) for k in range(3)])
+    above = Face((5.0, 0.0, 5.0), 10.0, 8.0, slant_deg=89.9)
+    seen = ~np.isnan(photograph(moves, SETTINGS, above, mm_per_pixel=0.02, samples=4))
+    radius = 0.4 / math.sqrt(math.pi)
+    x, y = np.meshgrid((np.arange(500) + 0.5) * 0.02, 4.0 - (np.arange(400) + 0.5) * 0.02)
+    along, aside = np.clip(x, 2, 7), np.clip(y, 0, 2)
+    away = np.minimum(np.hypot(x - along, y), np.hypot(x - 7.0, y - aside))
+    assert seen[away < radius - 0.03].all() and not seen[away > radius + 0.03].any()
+
+
 def test_view_looks_along_the_normal_and_is_lifted_and_turned():
     face = Face((0, 0, 0), 1, 1, slant_deg=30.0, azimuth_deg=0.0)
     assert view_axes(face, 0, 0)[2] == pytest.approx([0, -math.cos(math.pi / 6), 0.5])
