@@ -92,6 +92,27 @@ def filament_report(moves: Moves, settings: PrintSettings) -> dict[str, Any]:
     return report
 
 
+def swap_cost(moves: Moves, seconds: FloatArray, alike: Moves, settings: PrintSettings) -> dict[str, Any]:
+    """What it costs to leave parts of the outer wall to the other tool within the layer.
+
+    Args:
+        moves: the print.
+        seconds: (M,) `move_seconds` of the moves.
+        alike: the same print with each layer's wall by the layer's own tool.
+        settings: of the print.
+
+    Returns:
+        `tool_changes`, how many more there are; `tool_changes_in_layers`, how many do not come with a new layer;
+        `tool_change_time_s`, how much longer it all takes.
+    """
+    changes = np.diff(moves.tool) != 0
+    return {
+        "tool_changes": int(changes.sum() - (np.diff(alike.tool) != 0).sum()),
+        "tool_changes_in_layers": int((changes & (np.diff(moves.layer) == 0)).sum()),
+        "tool_change_time_s": float(seconds.sum() - move_seconds(alike, settings.printer_profile).sum()),
+    }
+
+
 def single_color_seconds(
     outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings, within: Rooms | None = None
 ) -> float:

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from .analysis.slopes import face_contrast, slope_report, slope_warnings
-from .breakdown import filament_report, single_color_seconds, time_report
+from .breakdown import filament_report, single_color_seconds, swap_cost, time_report
 from .calibration.calibrate import calibrated
 from .checks import check
 from .fill.paths import fill_paths
 from .gcode.standby import standby_warnings
 from .mesh import size_warnings, triangulate
-from .model import FloatArray, SurfaceModel, TriangleMesh
+from .model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
 from .pattern.contours import Contours, contours
 from .pattern.optimized import optimized_samples
 from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
 from .pattern.slant import slant_along
-from .pattern.solid_regions import solid_regions, solid_report, with_solid_regions
+from .pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
 from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
 from .plate import object_rows, plate_warnings
 from .progress import Progress, drained
@@ -134,8 +134,8 @@ def steps(
         slant = run("slant", _slant, lines, mesh, settings.wavelength)
         printed, notes = run("calibration", calibrated, tone, slant, settings)
         depth, set_back = run("modulation", modulated, lines, printed, slant, settings)
-        depth, set_back, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
-        outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings)
+        depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
+        outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings, swapped)
         yield stage(0.6, "fill")
         inside = run("inside", inside_of_wall, lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
         fill = run("fill", fill_paths, cut.regions, inside, cut.polygon_layer, settings)
@@ -153,6 +153,9 @@ def steps(
         single_color = alone.result()
     thin = thin_report(run("thin features", thin_features, cut, lines, settings), cut)
     seconds = run("time", _seconds, moves, settings)
+    if outlines.swapped is not None:
+        alike = _moves(replace(outlines, swapped=None), fill, holding, cut, within, settings)
+        solid["solid_regions"] |= swap_cost(moves, seconds, alike, settings)
     warnings = [
         *plate_warnings(model, mesh, cut.overlaps, settings),
         *_warnings(cut, lines, samples, settings),
@@ -202,14 +205,16 @@ def _solid_colours(
     set_back: FloatArray,
     projector: Projector,
     settings: PrintSettings,
-) -> tuple[FloatArray, FloatArray, dict[str, Any]]:
-    """Depth and set-back with regions of pure black and white treated as it is set, and the report on them."""
+) -> tuple[FloatArray, FloatArray, BoolArray | None, dict[str, Any]]:
+    """Depth and set-back with regions of pure black and white as it is set, what the other tool prints, the report."""
     if settings.solid_regions == "none":
-        return depth, set_back, {}
+        return depth, set_back, None, {}
     solid = solid_regions(lines, tone, slant_deg, projector, settings)
+    swapped = left_to_other_tool(lines, solid, settings) if settings.solid_regions == "tool_change" else None
     without = depth
-    depth, set_back = with_solid_regions(lines, depth, set_back, slant_deg, solid, settings)
-    return depth, set_back, {"solid_regions": solid_report(lines, solid, without, depth, settings)}
+    depth, set_back = with_solid_regions(lines, depth, set_back, slant_deg, solid, settings, swapped)
+    report = solid_report(lines, solid, without, depth, settings, swapped)
+    return depth, set_back, swapped, {"solid_regions": report}
 
 
 def _slant(lines: Contours, mesh: TriangleMesh, wavelength: float) -> FloatArray:

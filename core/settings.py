@@ -83,14 +83,18 @@ class PrintSettings:
     )
     solid_regions: str = setting(
         "none",
-        "Large painted regions of pure black or white: like all tones, or the other color's line hidden behind",
-        choices=("none", "set_back"),
+        "Large painted regions of pure black or white: like all tones, the other color's line hidden behind, or left "
+        "to the right tool within the layer",
+        choices=("none", "set_back", "tool_change"),
         group="pattern",
     )
     solid_region_area: float = setting(
         25.0, "Least area of a region of pure black or white that counts as one, in mm²", "", 1.0, 10000.0,
         group="pattern",
     )  # fmt: skip
+    solid_region_tolerance: float = setting(
+        0.02, "How far from black (0) or white (1) a tone may be to count as pure", "", 0.0, 0.4, group="pattern"
+    )
     solid_set_back: float = setting(
         0.5, "How far the other color's line is set back in such a region, as far as max_unsupported allows", "mm",
         0.0, 2.0, group="pattern",

@@ -21,6 +21,10 @@ def figures(report: dict[str, Any]) -> list[tuple[str, str]]:
         length_m, mass_g = report["filament"][f"tool{tool}_mm"] / 1000, report["filament"][f"tool{tool}_g"]
         colour = "Black" if tool == black else "White"
         rows.append((f"{colour} ({_TOOL_SIDES[tool]})", f"{length_m:.2f} m, {mass_g:.1f} g"))
+    if solid := report.get("solid_regions"):
+        seconds = solid["outline_time_s"] + solid["tool_change_time_s"]
+        cost = f"{solid['tool_changes']:+d} tool changes, {seconds / 60:+.1f} min"
+        rows.append(("Solid Regions", f"{solid['regions']}: {cost}"))
     return rows
 
 

@@ -58,6 +58,7 @@ PATTERN_ADVANCED = Section(
         "chord_tolerance",
         "solid_regions",
         "solid_region_area",
+        "solid_region_tolerance",
         "solid_set_back",
     ),
     stage="pattern",

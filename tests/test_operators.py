@@ -295,5 +295,7 @@ def test_the_results_in_the_sidebar():
         ("White (right)", "1.50 m, 3.8 g"),
         ("Black (left)", "2.50 m, 6.2 g"),
     ]
+    report["solid_regions"] = {"regions": 3, "tool_changes": 1, "outline_time_s": -12.0, "tool_change_time_s": 120.0}
+    assert figures(report)[-1] == ("Solid Regions", "3: +1 tool changes, +1.8 min")
     assert duration(59 * 60) == "59 min"
     assert all(len(line) <= 34 for line in wrapped("thin walls " * 20, 280, 1.0))

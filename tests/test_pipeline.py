@@ -9,10 +9,10 @@ from dualcolor.core.errors import MeshError, OutputError
 from dualcolor.core.exports import dump, export_gcode, export_x3g
 from dualcolor.core.pipeline import generate, steps
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.assemble import tool_of_layer
 from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.seams import seam_offsets
+from dualcolor.core.toolpaths.tool_turns import tool_of_layer
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.tests.gpx import convert

@@ -1,18 +1,36 @@
-"""Regions of pure black or white: found as a whole, the other colour hidden behind, all else untouched."""
+"""Regions of pure black or white: found as a whole, printed in one colour, all else untouched."""
+
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
+from dualcolor.core.beads import strands
+from dualcolor.core.exports import export_gcode, export_x3g
+from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.modulation import layer_is_black
 from dualcolor.core.pattern.sampling import Projector
 from dualcolor.core.pattern.slant import slant_along
-from dualcolor.core.pattern.solid_regions import connected, runs, solid_regions, with_solid_regions
+from dualcolor.core.pattern.solid_regions import (
+    connected,
+    left_to_other_tool,
+    runs,
+    solid_regions,
+    with_solid_regions,
+)
 from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate, pattern_tone
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.texture.pyramid import build_pyramids
+from dualcolor.core.toolpaths.moves import Feature
+from dualcolor.core.toolpaths.tool_turns import _ends, tool_of_layer
+from dualcolor.core.x3g.audit import audit
+from dualcolor.core.x3g.moves import moves_of_x3g
+from dualcolor.core.x3g.reader import read_x3g
+from dualcolor.tests.gpx import convert
+from dualcolor.tests.real_models import image_file, obj_model
 from dualcolor.tests.solids import cylinder, picture
 
 SETTINGS = PrintSettings(pattern="wave_offset", solid_regions="set_back", calibration="none")
@@ -113,3 +131,151 @@ def test_a_print_reports_regions_and_their_cost():
     assert said["regions"] == 2 and said["black_mm2"] > said["white_mm2"] > 25 and said["outline_time_s"] < 0
     assert solid.report["tool_changes"] == plain.report["tool_changes"]
     assert "solid_regions" not in plain.report
+
+
+CHANGING = SETTINGS.changed({"solid_regions": "tool_change", "pattern": "offset", "skirt_distance": 2.0})
+BLACK_ANGLES, WHITE_ANGLES = (60, 165), (240, 300)  # of the patches below, without their borders
+
+
+@pytest.fixture(scope="module")
+def two_patches():
+    """A grey cylinder, a black patch on one side, a smaller white one on the other."""
+    return generate(painted(black=(1, 4, 1, 7), white=(5, 7, 1, 7)), CHANGING)
+
+
+def wall_strands(moves, angles, heights=(4.0, 12.0)):
+    """Rows of the outer wall between two directions and two heights, clear of the patches' borders."""
+    x, y, z = moves.position.T
+    turn = np.degrees(np.arctan2(y, x)) % 360
+    rows = moves.extrudes & (moves.feature == Feature.OUTER_WALL) & (turn > angles[0]) & (turn < angles[1])
+    rows[1:] &= (turn[:-1] > angles[0]) & (turn[:-1] < angles[1])
+    return rows & (z > heights[0]) & (z < heights[1])
+
+
+def test_solid_regions_have_one_colour_on_every_layer(two_patches):
+    moves = two_patches.moves
+    for angles, tool in ((BLACK_ANGLES, 0), (WHITE_ANGLES, 1)):
+        rows = wall_strands(moves, angles)
+        assert len(np.unique(moves.layer[rows])) > 30 and (moves.tool[rows] == tool).all()
+        radius = np.hypot(*moves.position[rows, :2].T)
+        assert np.ptp(radius) < 0.03  # neither waves nor set back
+    rows = wall_strands(moves, (190, 220))
+    assert (moves.tool[rows] == moves.layer[rows] % 2).all()
+
+
+def test_walls_are_cut_without_gap_or_overlap(two_patches):
+    """Each layer's pieces add up to its outline, and begin where others end."""
+    moves, outlines = two_patches.moves, two_patches.outlines
+    step = np.hypot(*np.diff(moves.position[:, :2], axis=0, prepend=moves.position[:1, :2]).T)
+    wall = moves.extrudes & (moves.feature == Feature.OUTER_WALL)
+    printed = np.bincount(moves.layer[wall], step[wall])
+    first, last = outlines.start[:-1], outlines.start[1:]
+    ahead = np.arange(1, len(outlines.points) + 1)
+    ahead[last - 1] = first
+    length = np.hypot(*(outlines.points[ahead] - outlines.points).T)
+    np.testing.assert_allclose(printed, np.add.reduceat(length, first), atol=1e-6)
+    assert (np.diff(moves.tool)[wall[1:]] == 0).all()
+
+
+def test_a_layer_changes_its_tool_once_and_then_primes_on_the_tower(two_patches):
+    moves = two_patches.moves
+    change = np.flatnonzero(np.diff(moves.tool)) + 1
+    assert np.bincount(moves.layer[change]).max() == 1
+    strand = np.flatnonzero(moves.extrudes)
+    after = strand[np.searchsorted(strand, change)]
+    assert (moves.feature[after] == Feature.TOWER).all()
+    tower = moves.feature == Feature.TOWER
+    for layer in range(two_patches.report["layers"]):
+        assert len(np.unique(moves.tool[tower & (moves.layer == layer)])) == 1
+    said = two_patches.report["solid_regions"]
+    assert said["tool_changes"] == 0 and said["tool_changes_in_layers"] == (np.diff(moves.layer)[change - 1] == 0).sum()
+    assert said["tool_changes_in_layers"] > 40 and 0 < said["tool_change_time_s"] < 60
+    rows = wall_strands(moves, (0, 360), (0, 99)) & (moves.tool != moves.layer % 2)
+    step = np.hypot(*np.diff(moves.position[:, :2], axis=0, prepend=moves.position[:1, :2]).T)
+    assert step[rows].sum() == pytest.approx(said["other_tool_mm"], rel=0.05)
+
+
+def centre(laid, tool):
+    """(4,) mm, the middle of one tool's strands above the priming lines, and their length in metres."""
+    inside = np.ones(len(laid.points) - 1, dtype=bool)
+    inside[laid.start[1:-1] - 1] = False
+    lines = inside & np.repeat(laid.tool == tool, np.diff(laid.start))[1:] & (laid.points[1:, 2] > 1.0)
+    middle = (laid.points[1:] + laid.points[:-1])[lines] / 2
+    length = np.linalg.norm(np.diff(laid.points, axis=0)[lines], axis=1)
+    return np.append(length @ middle / length.sum(), length.sum() / 1000)
+
+
+def check_files(result, folder):
+    """No complaint of the audit nor of GPX, and both readers find each line's tool again."""
+    export_x3g(result, folder / "p.x3g")
+    data = (folder / "p.x3g").read_bytes()
+    tower = result.moves.extrudes & (result.moves.feature == Feature.TOWER)
+    box = result.moves.position[tower, :2]
+    around = np.stack([box.min(axis=0) - 0.5, box.max(axis=0) + 0.5])
+    assert audit(read_x3g(data), result.settings.printer_profile, around) == []
+    export_gcode(result, folder / "p.gcode")
+    read = read_gcode((folder / "p.gcode").read_bytes(), "p")
+    assert read.settings.solid_regions == "tool_change"
+    laid = strands(result.moves)
+    for back in (strands(read.moves), strands(moves_of_x3g(data, "p").moves)):
+        for tool in (0, 1):
+            was, now = (centre(table, tool) for table in (laid, back))
+            assert np.abs(was - now).max() < 0.05
+    assert convert(folder / "p.gcode") == []
+
+
+def test_files_of_layers_with_two_tools(two_patches, tmp_path):
+    check_files(two_patches, tmp_path)
+
+
+def test_a_solid_two_coloured_object_costs_one_tool_change(tmp_path):
+    """All of it is one of the two colours, so every layer is printed by both tools, the first one too."""
+    halves = painted(black=(0, 4, 0, 8), white=(4, 8, 0, 8))
+    settings = CHANGING.changed({"standby_temperature_delta": 20.0, "ooze_shield": True, "raft_layers": 2})
+    for chosen, more in ((CHANGING, 1), (settings, 1)):
+        result = generate(halves, chosen)
+        assert result.report["solid_regions"]["tool_changes"] == more
+        for angles, tool in (((20, 160), 0), ((200, 340), 1)):
+            rows = wall_strands(result.moves, angles, (0, 99))
+            assert rows.any() and (result.moves.tool[rows] == tool).all()
+        check_files(result, tmp_path)
+
+
+def test_spots_patches_change_the_tool(data, tmp_path):
+    """Its patches are a dark grey of tone 0.14 on a light one of 0.89."""
+    model = obj_model(data / "meshes/spot/spot.obj", 30.0, [image_file(data / "meshes/spot/spot_texture.png")])
+    result = generate(model, CHANGING.changed({"solid_region_tolerance": 0.15, "solid_region_area": 10}))
+    said = result.report["solid_regions"]
+    assert said["regions"] >= 4 and said["black_mm2"] > 30 and said["white_mm2"] > 3 * said["black_mm2"]
+    assert said["tool_changes"] <= 1 and said["tool_changes_in_layers"] > 50
+    check_files(result, tmp_path)
+
+
+def test_short_pieces_stay_with_the_layers_own_tool():
+    """A border of a third of a wavelength between two patches goes with them, a sliver of a patch stays."""
+    settings = CHANGING.changed({"wavelength": 2.0})
+    lines, *_, solid = found(painted(black=(2, 6, 0, 8)), settings)
+    here = (lines.layer[lines.loop] == 21).nonzero()[0]
+    region = np.full(len(lines.arc), -1)
+    along = lines.arc[here] - lines.arc[here[0]]
+    region[here[((along > 10) & (along < 20)) | ((along > 20.7) & (along < 30)) | ((along > 40) & (along < 41))]] = 0
+    swapped = left_to_other_tool(lines, type(solid)(region, np.array([True]), np.array([99.0])), settings)
+    expected = np.zeros(len(lines.arc), dtype=bool)
+    expected[here[(along > 10) & (along < 30)]] = True
+    assert np.array_equal(swapped, expected)
+
+
+def test_the_tools_of_layers_take_turns_with_the_fewest_changes():
+    own = tool_of_layer(np.arange(6), PrintSettings())
+    kinds = {0: (True, False), 1: (False, True), 2: (True, True)}
+    for chosen in product((0, 1, 2), repeat=6):
+        used = np.array([kinds[kind] for kind in chosen])
+        first, last = _ends(used, own)
+        assert all(used[layer, [first[layer], last[layer]]].all() for layer in range(6))
+        changes = (first != last).sum() + (first[1:] != last[:-1]).sum()
+        starts = [[(0, 0)], [(1, 1)], [(0, 1), (1, 0)]]
+        least = min(
+            sum(a != b for a, b in order) + sum(x[1] != y[0] for x, y in pairwise(order))
+            for order in product(*(starts[kind] for kind in chosen))
+        )
+        assert changes == least

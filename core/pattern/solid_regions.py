@@ -1,8 +1,8 @@
-"""Solid colours: painted regions of pure black or white, in which the other colour's line is hidden (paper, section 7).
+"""Solid colours: painted regions of pure black or white, printed in that filament alone (paper, section 7).
 
-The paper proposes to print such regions in one filament. Here each layer keeps its colour, so that no tool change is
-added: in layers of the other colour the outline is set back as far as the strand above can stand out over it, farther
-than for any tone, and both colours' waves end, so that the region's own strands meet in front of it.
+In layers of the other colour the outline is either set back as far as the strand above can stand out over it, farther
+than for any tone (`set_back`), or left to the right tool (`tool_change`, see `toolpaths/tool_turns.py`). Both colours'
+waves end, so that the region's own strands meet in front of what is set back, or lie above one another.
 """
 
 from __future__ import annotations
@@ -19,9 +19,6 @@ from .contours import Contours
 from .modulation import faded, layer_is_black, supported
 from .sampling import Projector
 from .wave import average_along_wall
-
-PURE = 0.02
-"""Tones nearer than this to 0 or 1 are pure; a filtered picture's border of a region is not."""
 
 _MIXED, _BLACK, _WHITE = 0, 1, 2
 _STEEPEST_DEG = 80.0
@@ -54,22 +51,23 @@ def solid_regions(
         tone: (N,) asked for, 0 black to 1 white.
         slant_deg: (N,) of the surface.
         projector: made for the same contours.
-        settings: solid_region_area and the layer height are used.
+        settings: solid_region_tolerance, solid_region_area and the layer height are used.
     """
-    kind = np.where(tone <= PURE, _BLACK, np.where(tone >= 1.0 - PURE, _WHITE, _MIXED))
+    pure = settings.solid_region_tolerance
+    kind = np.where(tone <= pure, _BLACK, np.where(tone >= 1.0 - pure, _WHITE, _MIXED))
     run = runs(kind, lines.start)
-    pure = np.flatnonzero(kind != _MIXED)
-    label = connected(int(run.max(initial=-1)) + 1, *_links(lines, kind, run, pure, projector))
-    step = np.diff(np.append(lines.arc, lines.arc_start[-1]))
+    painted = np.flatnonzero(kind != _MIXED)
+    label = connected(int(run.max(initial=-1)) + 1, *_links(lines, kind, run, painted, projector))
+    step = _steps(lines)
     lean = np.radians(np.minimum(np.abs(slant_deg), _STEEPEST_DEG))
-    owner = label[run[pure]]
+    owner = label[run[painted]]
     patch = step * settings.layer_height / np.cos(lean)
-    area = np.asarray(np.bincount(owner, patch[pure], minlength=len(label)), dtype=np.float64)
+    area = np.asarray(np.bincount(owner, patch[painted], minlength=len(label)), dtype=np.float64)
     large = np.flatnonzero(area >= settings.solid_region_area)
     number = np.full(len(label) + 1, -1, dtype=np.int64)
     number[large] = np.arange(len(large))
     region = np.full(len(kind), -1, dtype=np.int64)
-    region[pure] = number[owner]
+    region[painted] = number[owner]
     is_black = np.zeros(len(large), dtype=bool)
     inside = region >= 0
     is_black[region[inside]] = kind[inside] == _BLACK
@@ -83,8 +81,9 @@ def with_solid_regions(
     slant_deg: FloatArray,
     solid: SolidRegions,
     settings: PrintSettings,
+    swapped: BoolArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Wave depth and set-back with the other colour's line behind, and no waves, inside the regions.
+    """Wave depth and set-back without waves inside the regions, the other colour's line behind.
 
     Towards the border of a region all goes over within half a wavelength, inside of it.
 
@@ -95,23 +94,63 @@ def with_solid_regions(
         slant_deg: (N,) of the surface.
         solid: the regions.
         settings: solid_set_back and what limits a strand's overhang are used.
+        swapped: (N,) what is left to the other tool and so need not stay behind, or None.
     """
     inside = solid.region >= 0
     share = np.clip(2 * average_along_wall(inside.astype(np.float64), lines, settings.wavelength) - 1, 0.0, 1.0)
     share = np.where(inside, share, 0.0)
-    black_here = np.zeros(len(inside), dtype=bool)
-    black_here[inside] = solid.is_black[solid.region[inside]]
-    other = layer_is_black(lines.layer[lines.loop]) != black_here
-    wanted = np.where(other, settings.solid_set_back, 0.0)
+    behind = _wrong_colour(lines, solid) if swapped is None else _wrong_colour(lines, solid) & ~swapped
+    wanted = np.where(behind, settings.solid_set_back, 0.0)
     hidden = supported(depth * (1 - share), set_back + share * (wanted - set_back), slant_deg, settings)
     new_depth, new_set_back = faded(*hidden, lines.room_inside, lines.room_outside)
     return np.where(inside, new_depth, depth), np.where(inside, new_set_back, set_back)
 
 
+def left_to_other_tool(lines: Contours, solid: SolidRegions, settings: PrintSettings) -> BoolArray:
+    """(N,) bool, stretches of outline of the wrong colour in the regions, none of them shorter than a wavelength.
+
+    Shorter ones between longer ones that stay, and shorter gaps between longer ones that go, stay or go with these.
+
+    Args:
+        lines: N contour points.
+        solid: the regions.
+        settings: the wavelength is used.
+    """
+    swapped = _wrong_colour(lines, solid)
+    for kind in (False, True):
+        run = runs(swapped.astype(np.int64), lines.start)
+        length = np.bincount(run, _steps(lines))
+        # What is a whole contour has no neighbours to go with.
+        whole = length[run] > 0.999 * lines.length[lines.loop]
+        short = (swapped == kind) & (length[run] < settings.wavelength) & ~whole
+        swapped ^= short
+    return swapped
+
+
+def _wrong_colour(lines: Contours, solid: SolidRegions) -> BoolArray:
+    """(N,) points in a region on layers of the other colour."""
+    inside = solid.region >= 0
+    black_here = np.zeros(len(inside), dtype=bool)
+    black_here[inside] = solid.is_black[solid.region[inside]]
+    return np.asarray(inside & (layer_is_black(lines.layer[lines.loop]) != black_here))
+
+
+def _steps(lines: Contours) -> FloatArray:
+    """(N,) mm from each contour point to the next."""
+    return np.diff(np.append(lines.arc, lines.arc_start[-1]))
+
+
 def solid_report(
-    lines: Contours, solid: SolidRegions, before: FloatArray, after: FloatArray, settings: PrintSettings
+    lines: Contours,
+    solid: SolidRegions,
+    before: FloatArray,
+    after: FloatArray,
+    settings: PrintSettings,
+    swapped: BoolArray | None = None,
 ) -> dict[str, Any]:
     """What the regions are and what they cost, JSON-ready.
+
+    What leaving outline to the other tool costs is known only when all moves are: see `breakdown.swap_cost`.
 
     Args:
         lines: N contour points.
@@ -119,16 +158,20 @@ def solid_report(
         before: (N,) mm, depth of the waves without the regions.
         after: (N,) mm, with them.
         settings: as used.
+        swapped: (N,) what is left to the other tool, or None.
     """
-    step = np.diff(np.append(lines.arc, lines.arc_start[-1]))
+    step = _steps(lines)
     longer = step @ (_stretch(after, settings) - _stretch(before, settings))
     return {
         "regions": len(solid.area),
         "black_mm2": float(solid.area[solid.is_black].sum()),
         "white_mm2": float(solid.area[~solid.is_black].sum()),
         "outline_share": float(step[solid.region >= 0].sum() / max(step.sum(), 1e-12)),
-        "tool_changes": 0,
         "outline_time_s": float(longer / settings.wave_speed),
+        "other_tool_mm": 0.0 if swapped is None else float(step[swapped].sum()),
+        "tool_changes": 0,
+        "tool_changes_in_layers": 0,
+        "tool_change_time_s": 0.0,
     }
 
 

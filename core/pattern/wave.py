@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..model import FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
 from .chunks import in_chunks
@@ -39,6 +39,7 @@ class WavedOutlines:
         tone: (N,) 0 to 1.
         uv: (N, 2) texture coordinates.
         width: (N,) mm, line width.
+        swapped: (N,) bool, lines that leave these points are left to the other tool; None where none is.
     """
 
     base: FloatArray
@@ -52,6 +53,7 @@ class WavedOutlines:
     tone: FloatArray
     uv: FloatArray
     width: FloatArray
+    swapped: BoolArray | None = None
 
 
 @dataclass(frozen=True)
@@ -110,6 +112,7 @@ def waved(
     depth: FloatArray,
     set_back: FloatArray,
     settings: PrintSettings,
+    swapped: BoolArray | None = None,
 ) -> WavedOutlines:
     """Swing every contour about itself: cos(2πu) between neighbouring samples, times half the depth, less the set-back.
 
@@ -120,12 +123,14 @@ def waved(
         depth: (N,) mm.
         set_back: (N,) mm.
         settings: the chord tolerance is used.
+        swapped: (N,) what the other tool prints, or None.
     """
     pieces = spans(lines, samples)
     count = _points_of(pieces, lines, depth, settings)
     layer = lines.layer
     # One row a contour point, so that all of it comes with one access to memory.
-    table = np.column_stack([lines.points, lines.normal, depth, set_back, tone, lines.width])
+    columns = [lines.points, lines.normal, depth, set_back, tone, lines.width]
+    table = np.column_stack(columns if swapped is None else [*columns, swapped])
     tolerance = settings.chord_tolerance * (1 - SAMPLING_SHARE)
 
     def chunk(piece: IntArray) -> tuple[NDArray[Any], ...]:
@@ -136,6 +141,8 @@ def waved(
         moved = layer_sign(layer[pieces.loop[row]]) * phase * value[:, 4] / 2 - value[:, 5]
         points = value[:, :2] + value[:, 2:4] * moved[:, None]
         keep = _within_tolerance(points, row - piece[0], tolerance)
+        if swapped is not None:
+            keep[1:] |= np.diff(value[:, 8] > 0.5)
         # The last point of a span is the first one of the next.
         keep[:-1] &= row[1:] == row[:-1]
         keep[-1] = False
@@ -155,6 +162,7 @@ def waved(
         tone=value[:, 6].copy(),
         uv=uv,
         width=value[:, 7].copy(),
+        swapped=None if swapped is None else value[:, 8] > 0.5,
     )
 
 

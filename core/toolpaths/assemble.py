@@ -15,6 +15,7 @@ from .approach import approaches, fill_approaches
 from .moves import Feature, Moves
 from .order import OrderedPaths
 from .speeds import chord_lengths, extrusion_speeds
+from .tool_turns import tool_of_paths
 from .travels import Rooms, travels
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -39,19 +40,13 @@ def assemble(
         within: where travels stay unseen, if that is known.
         single_color: print all layers with tool 0, for comparison.
     """
-    tool = np.zeros_like(paths.layer) if single_color else tool_of_layer(paths.layer, settings)
+    tool = np.zeros_like(paths.layer) if single_color else tool_of_paths(paths.layer, paths.swapped, settings)
     length = chord_lengths(paths)
     ways = travels(paths, within, settings)
     approach = approaches(paths, tool, length, ways, settings)
     table, first_row = _extrusions(paths, tool, layers, approach.rows, length, settings)
     fill_approaches(table, paths, layers, first_row, approach, length, ways, settings)
     return table
-
-
-def tool_of_layer(layer: IntArray, settings: PrintSettings) -> IntArray:
-    """Tool that prints each layer: black on the object's even ones, and on the raft, which needs no tool change."""
-    own = np.maximum(layer - settings.raft_layers, 0)
-    return np.where(own % 2 == 0, settings.black_tool, 1 - settings.black_tool).astype(np.int64)
 
 
 def _extrusions(

@@ -41,6 +41,7 @@ class Paths:
         island: (K,) int64, which connected region of its layer a path belongs to; printed together.
         closed: (K,) bool.
         width: (N,) float64 mm, of the line that leaves each point.
+        swapped: (K,) bool, printed by the other tool than its layer's; None where no path is.
     """
 
     points: FloatArray
@@ -50,6 +51,7 @@ class Paths:
     island: IntArray
     closed: BoolArray
     width: FloatArray
+    swapped: BoolArray | None = None
 
     @staticmethod
     def empty() -> Paths:
@@ -70,7 +72,17 @@ class Paths:
             island=np.concatenate([part.island for part in parts]),
             closed=np.concatenate([part.closed for part in parts]),
             width=np.concatenate([part.width for part in parts]),
+            swapped=Paths._swapped(parts),
         )
+
+    @staticmethod
+    def _swapped(parts: list[Paths]) -> BoolArray | None:
+        if all(part.swapped is None for part in parts):
+            return None
+        none = (np.zeros(len(part.layer), dtype=bool) for part in parts)
+        columns = [own if part.swapped is None else part.swapped for part, own in zip(parts, none, strict=True)]
+        swapped: BoolArray = np.concatenate(columns)
+        return swapped
 
 
 @dataclass(frozen=True)

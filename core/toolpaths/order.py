@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
 from .moves import Feature, Paths
 from .seams import has_seam, seam_offsets
+from .tool_turns import tool_turns
 
 # Paths that are looked at one by one; more of them at once.
 _MANY = 64
@@ -28,6 +29,7 @@ class OrderedPaths:
         layer: (K,) int64, not decreasing.
         feature: (K,) int64.
         island: (K,) int64, see `Paths`.
+        swapped: (K,) bool, see `Paths`; here for the tower too.
     """
 
     points: FloatArray
@@ -36,10 +38,13 @@ class OrderedPaths:
     layer: IntArray
     feature: IntArray
     island: IntArray
+    swapped: BoolArray | None = None
 
 
 def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
     """Order all layers: skirt, tower and supports first, then region by region, the nearest next; walls before fill.
+
+    What a layer's second tool prints comes after all that its first one does.
 
     Args:
         paths: of all features and layers.
@@ -52,24 +57,26 @@ def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
     if settings.seam_position == "nearest":
         walk.choose_seams(paths)
     rank = _ranks(settings)[paths.feature]
-    order = np.lexsort((rank, paths.island, paths.layer))
-    key = np.stack([paths.layer, paths.island, rank])[:, order]
+    swapped, turn = tool_turns(paths, settings)
+    turn += 2 * paths.layer
+    order = np.lexsort((rank, paths.island, turn))
+    key = np.stack([turn, paths.island, rank])[:, order]
     cuts = np.flatnonzero((np.diff(key, axis=1) != 0).any(axis=0)) + 1
     begin = np.concatenate([[0], cuts]).astype(np.int64)[: len(order)]
     members = order.tolist()
-    layers: dict[int, dict[int, list[list[int]]]] = {}
+    turns: dict[int, dict[int, list[list[int]]]] = {}
     ends = [*begin[1:].tolist(), len(members)]
-    for layer, island, low, high in zip(
+    for number, island, low, high in zip(
         key[0, begin].tolist(), key[1, begin].tolist(), begin.tolist(), ends, strict=True
     ):
-        layers.setdefault(layer, {}).setdefault(island, []).append(members[low:high])
-    for islands in layers.values():
-        walk.print_layer(islands)
+        turns.setdefault(number, {}).setdefault(island, []).append(members[low:high])
+    for islands in turns.values():
+        walk.print_turn(islands)
     flipped = np.zeros(len(order), dtype=bool)
     flipped[walk.flipped] = True
     for path, seam in walk.seams.items():
         offset[path] = seam
-    return _laid_out(paths, np.array(walk.sequence, dtype=np.int64), offset, flipped)
+    return _laid_out(replace(paths, swapped=swapped), np.array(walk.sequence, dtype=np.int64), offset, flipped)
 
 
 class _Walk:
@@ -98,8 +105,8 @@ class _Walk:
         """Start closed paths at the point nearest to the nozzle from now on."""
         self._loops, self._seamed = paths, has_seam(paths)
 
-    def print_layer(self, islands: dict[int, list[list[int]]]) -> None:
-        """Visit the islands of a layer: those around the part in the order of their numbers, then the nearest next.
+    def print_turn(self, islands: dict[int, list[list[int]]]) -> None:
+        """Visit islands of a layer: those around the part in the order of their numbers, then the nearest next.
 
         Args:
             islands: by number, in ascending order, the runs of paths that are printed one after the other.
@@ -191,4 +198,5 @@ def _laid_out(paths: Paths, sequence: IntArray, offset: IntArray, flipped: BoolA
         layer=paths.layer[sequence],
         feature=paths.feature[sequence],
         island=paths.island[sequence],
+        swapped=None if paths.swapped is None else paths.swapped[sequence],
     )

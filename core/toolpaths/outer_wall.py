@@ -6,15 +6,17 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..model import FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
-from ..slicing.outlines import following, sums
+from ..slicing.outlines import following, preceding, ranges, starts, sums
 from .moves import Feature, Paths
 
 
 def outer_wall_paths(waved: WavedOutlines) -> Paths:
-    """One closed path an outline; its island is the sliced region that it bounds."""
+    """One closed path an outline, or open ones where two tools share it; the island is the region that it bounds."""
+    if waved.swapped is not None:
+        return _shared(waved, waved.swapped)
     loops = len(waved.layer)
     return Paths(
         points=waved.points,
@@ -24,6 +26,41 @@ def outer_wall_paths(waved: WavedOutlines) -> Paths:
         island=waved.polygon,
         closed=np.ones(loops, dtype=bool),
         width=waved.width,
+    )
+
+
+def _shared(waved: WavedOutlines, swapped: BoolArray) -> Paths:
+    """The outlines cut where the tool changes; each piece ends where the next one begins.
+
+    Args:
+        waved: the outlines, N points.
+        swapped: (N,) bool, what the other tool prints.
+    """
+    start, count = waved.start, np.diff(waved.start)
+    begins = swapped != swapped[preceding(start)]
+    cut = np.bincount(np.repeat(np.arange(len(count)), count), begins, minlength=len(count)) > 0
+    begins[start[:-1][~cut]] = True
+    # The points of each loop from its first beginning on.
+    loop = np.repeat(np.arange(len(count)), count)
+    first = np.flatnonzero(begins)
+    first = first[np.searchsorted(first, start[:-1])] - start[:-1]
+    point = start[loop] + (np.arange(start[-1]) - start[loop] + first[loop]) % count[loop]
+    piece = np.flatnonzero(begins[point])
+    of = loop[piece]
+    length = np.diff(np.append(piece, len(point)))
+    place = ranges(piece, length + cut[of])
+    last = np.cumsum(length + cut[of]) - 1
+    wraps = last[cut[of] & (piece + length == start[of + 1])]
+    place[wraps] = start[loop[place[wraps] - 1]]
+    return Paths(
+        points=waved.points[point[place]],
+        start=starts(length + cut[of]),
+        layer=waved.layer[of],
+        feature=np.full(len(piece), int(Feature.OUTER_WALL), dtype=np.int64),
+        island=waved.polygon[of],
+        closed=~cut[of],
+        width=waved.width[point[place]],
+        swapped=swapped[point[piece]],
     )
 
 

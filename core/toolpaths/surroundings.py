@@ -61,7 +61,10 @@ def ground(regions: NDArray[np.object_], walls: Paths, settings: PrintSettings) 
 
 def _closed_lines(paths: Paths, chosen: IntArray) -> NDArray[np.object_]:
     points = [paths.points[paths.start[path] : paths.start[path + 1]] for path in chosen]
-    return np.array([shapely.linestrings(np.concatenate([line, line[:1]])) for line in points], dtype=object)
+    ends = [line[: int(closed)] for line, closed in zip(points, paths.closed[chosen], strict=True)]
+    return np.array(
+        [shapely.linestrings(np.concatenate(pair)) for pair in zip(points, ends, strict=True)], dtype=object
+    )
 
 
 def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -> Paths:
