@@ -13,6 +13,8 @@ Float32Array = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+_CHUNK_FACES = 1 << 16  # worked on at once
+
 
 @dataclass(frozen=True)
 class ToneImage:
@@ -75,6 +77,8 @@ class SurfaceModel:
         polygon_object: (P,) int64 index into `object_names`, or None for a single object.
         polygon_support: (P,) int64, a `SupportMark` of each, or None where there is none.
         volumes: solids that enforce or block supports.
+        corner_visibility: (C,) 0 to 1, how much seams are seen there, or None where nothing says so.
+        polygon_visibility: (P,) int64 index into `textures`, -1 for none, of pictures that say it; or None.
     """
 
     vertices: FloatArray
@@ -89,6 +93,8 @@ class SurfaceModel:
     polygon_object: IntArray | None = None
     polygon_support: IntArray | None = None
     volumes: tuple[SupportVolume, ...] = ()
+    corner_visibility: FloatArray | None = None
+    polygon_visibility: IntArray | None = None
 
     def moved(self, shift: FloatArray) -> SurfaceModel:
         """A copy moved by (3,) mm."""
@@ -114,6 +120,8 @@ class TriangleMesh:
         face_object: (F,) int64 index of the object on the plate, or None for a single object.
         face_support: (F,) int64, a `SupportMark` of each, or None where there is none.
         volumes: solids that enforce or block supports, placed like the mesh.
+        face_visibility: (F, 3) 0 to 1, how much seams are seen at each corner, or None where nothing says so.
+        face_visibility_texture: (F,) int64 index of the texture that says so, -1 for none; or None.
     """
 
     vertices: FloatArray
@@ -124,11 +132,23 @@ class TriangleMesh:
     face_object: IntArray | None = None
     face_support: IntArray | None = None
     volumes: tuple[SupportVolume, ...] = ()
+    face_visibility: FloatArray | None = None
+    face_visibility_texture: IntArray | None = None
 
     @property
     def bounds(self) -> FloatArray:
         """(2, 3) mm, the least and the greatest corner."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    @property
+    def area_normals(self) -> FloatArray:
+        """(F, 3) mm², along the normal of each face and twice as long as its area is large."""
+        normal = np.empty((len(self.faces), 3))
+        for begin in range(0, len(normal), _CHUNK_FACES):
+            part = slice(begin, begin + _CHUNK_FACES)
+            corners = self.vertices[self.faces[part]]
+            normal[part] = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return normal
 
     def bounds_of(self, number: int) -> FloatArray:
         """(2, 3) mm, the least and the greatest corner of one object on the plate."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model import FloatArray, TriangleMesh
+from ..model import FloatArray, IntArray, TriangleMesh
 from ..pattern.slant import face_slant_deg
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
@@ -21,6 +21,7 @@ _STEP_MM = 1.0
 _MOST_POINTS = 200_000
 _LEAST_CONTRAST = 1e-6
 _ROUNDING_DEG = 1e-6
+_CHUNK_FACES = 1 << 16  # worked on at once
 
 
 @dataclass(frozen=True)
@@ -52,19 +53,31 @@ def face_contrast(mesh: TriangleMesh, pyramids: TexturePyramids, settings: Print
         pyramids: its textures, filtered as the print filters them.
         settings: background_tone is used.
     """
-    corners = mesh.vertices[mesh.faces]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.linalg.norm(cross, axis=1)
+    normal = mesh.area_normals
+    length = np.linalg.norm(normal, axis=1)
+    normal /= np.maximum(length, 1e-12)[:, None]
     area = length / 2
     step = max(_STEP_MM, float(np.sqrt(2 * area.sum() / _MOST_POINTS)))
-    on = points_on_faces(corners, step)
-    uv = np.einsum("qc,qcd->qd", on.share, mesh.face_uv[on.face])
-    vertex_tone = np.einsum("qc,qc->q", on.share, mesh.face_tone[on.face])
-    tone = tone_at(pyramids, on.face, uv, vertex_tone, settings.background_tone)
-    weight = on.weight * area[on.face]
+    parts = [
+        _paint(mesh, slice(first, first + _CHUNK_FACES), step, pyramids, settings)
+        for first in range(0, len(area), _CHUNK_FACES)
+    ]
+    face, weight, tone = (np.concatenate(column) for column in zip(*parts, strict=True))
+    weight *= area[face]
     mean = float((weight * tone).sum() / max(weight.sum(), 1e-12))
-    contrast = np.asarray(np.bincount(on.face, weight * np.abs(tone - mean), len(area)), dtype=np.float64)
-    return FaceContrast(area, contrast, cross / np.maximum(length, 1e-12)[:, None])
+    contrast = np.asarray(np.bincount(face, weight * np.abs(tone - mean), len(area)), dtype=np.float64)
+    return FaceContrast(area, contrast, normal)
+
+
+def _paint(
+    mesh: TriangleMesh, part: slice, step: float, pyramids: TexturePyramids, settings: PrintSettings
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Face, share of the face's area and tone (Q,) each at places all over some of the faces."""
+    on = points_on_faces(mesh.vertices[mesh.faces[part]], step)
+    face = on.face + part.start
+    uv = np.einsum("qc,qcd->qd", on.share, mesh.face_uv[face])
+    vertex_tone = np.einsum("qc,qc->q", on.share, mesh.face_tone[face])
+    return face, on.weight, tone_at(pyramids, face, uv, vertex_tone, settings.background_tone)
 
 
 def from_flat_deg(mesh: TriangleMesh) -> FloatArray:

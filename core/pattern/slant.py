@@ -10,8 +10,7 @@ from .contours import Contours
 
 def face_slant_deg(mesh: TriangleMesh) -> FloatArray:
     """(F,) degrees that each face's normal points above the horizon: 0 upright, 90 a top, -90 an underside."""
-    corners = mesh.vertices[mesh.faces]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = mesh.area_normals
     slant = np.degrees(np.arctan2(normal[:, 2], np.hypot(normal[:, 0], normal[:, 1])))
     return np.asarray(slant, dtype=np.float64)
 

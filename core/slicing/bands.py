@@ -11,7 +11,7 @@ from .intersect import intersect
 from .link import link
 from .outlines import Outlines
 
-_MOST_CUTS = 1 << 20
+_MOST_CUTS = 1 << 17
 
 
 def linked_outlines(

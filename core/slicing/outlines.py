@@ -61,6 +61,8 @@ class Outlines:
 
     def selected(self, keep: BoolArray) -> Outlines:
         """Only the loops that `keep` (M,) marks."""
+        if keep.all():
+            return self
         points = np.repeat(keep, self.count)
         return Outlines(
             self.points[points], starts(self.count[keep]), self.layer[keep], self.face[points], self.carried[points]
@@ -91,16 +93,14 @@ class Outlines:
         """All loops of several tables, ordered by layer."""
         layer = np.concatenate([part.layer for part in parts])
         count = np.concatenate([part.count for part in parts])
+        points = np.concatenate([part.points for part in parts])
+        face = np.concatenate([part.face for part in parts])
+        carried = np.concatenate([part.carried for part in parts])
+        if (layer[1:] >= layer[:-1]).all():
+            return Outlines(points, starts(count), layer, face, carried)
         order = np.argsort(layer, kind="stable")
-        start = starts(count)
-        index = ranges(start[:-1][order], count[order])
-        return Outlines(
-            np.concatenate([part.points for part in parts])[index],
-            starts(count[order]),
-            layer[order],
-            np.concatenate([part.face for part in parts])[index],
-            np.concatenate([part.carried for part in parts])[index],
-        )
+        index = ranges(starts(count)[:-1][order], count[order])
+        return Outlines(points[index], starts(count[order]), layer[order], face[index], carried[index])
 
 
 def starts(count: IntArray) -> IntArray:
