@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from . import cli
-from .bridge import properties, results, scrubber
+from .bridge import properties, results, scrubber, soft_proof
 from .operators import add
 from .operators.analyse import OPERATORS as ANALYSE_OPERATORS
 from .operators.check_model import OPERATORS as CHECK_OPERATORS
@@ -17,6 +17,7 @@ from .operators.painting import OPERATORS as PAINTING_OPERATORS
 from .operators.presets import OPERATORS as PRESET_OPERATORS
 from .operators.render import OPERATORS as RENDER_OPERATORS
 from .operators.size import DUALCOLOR_OT_scale_to_height
+from .operators.soft_proof import DUALCOLOR_OT_soft_proof
 from .operators.supports import DUALCOLOR_OT_mark_support, DUALCOLOR_OT_select_support
 from .operators.unwrap import OPERATORS as UNWRAP_OPERATORS
 from .panels import bed
@@ -41,6 +42,7 @@ CLASSES = (
     *ORIENTATION_OPERATORS,
     *UNWRAP_OPERATORS,
     *PAINTING_OPERATORS,
+    DUALCOLOR_OT_soft_proof,
     *PANELS,
 )
 
@@ -62,6 +64,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Remove them in the reverse order."""
+    soft_proof.hide_all_proofs()
     cli.unregister_command()
     bed.unregister()
     scrubber_panel.unregister()

@@ -157,10 +157,22 @@ def mounted(moves: Moves, settings: PrintSettings, face: Face, light: str = "eve
                 made.data = render_rods(made, *read_strands(made)[:3], scene)
             scene.collection.objects.link(made)
         reach = float(np.linalg.norm(laid.points - centre, axis=1).max()) + face.width + face.height
-        _add_camera(scene, reach)
-        _add_light(scene, face, light)
-        _set_output(scene)
-        yield Stand(scene, face, reach)
+        yield stand_before(scene, face, reach, light)
+
+
+def stand_before(scene: bpy.types.Scene, face: Face, reach: float, light: str = "even") -> Stand:
+    """Put the camera and the light into a scene.
+
+    Args:
+        scene: what it holds stands so that the middle of the face is the origin.
+        face: what to look at.
+        reach: nothing is farther from the origin.
+        light: see `mounted`.
+    """
+    _add_camera(scene, reach)
+    _add_light(scene, face, light)
+    _set_output(scene)
+    return Stand(scene, face, reach)
 
 
 def _add_camera(scene: bpy.types.Scene, reach: float) -> None:

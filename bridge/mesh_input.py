@@ -15,6 +15,7 @@ from ..core.settings import PrintSettings
 from ..core.texture.decode import colour_tone
 from .base_colour import BaseColour, base_colour
 from .image_input import image_tone
+from .printed_materials import printed_materials
 from .units import mm_per_unit
 
 WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
@@ -143,7 +144,7 @@ def world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float)
 
 def _material_colours(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[BaseColour]:
     """One entry a material slot, at least one."""
-    slots = [slot.material for slot in obj.material_slots] or list(mesh.materials)
+    slots = printed_materials(obj) or list(mesh.materials)
     return [base_colour(material) for material in slots] or [BaseColour()]
 
 

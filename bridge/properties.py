@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import Field, fields
 from typing import Any
 
 import bpy
 
+from ..core.errors import SettingsError
 from ..core.settings import PrintSettings
 from .curves import is_print_shown, show_print
+from .soft_proof import follow_paint, follow_settings
 
 FLOAT_DIGITS = 6
 """A FloatProperty is single precision: 0.2 comes back as 0.200000003, which six significant digits undo."""
@@ -29,6 +32,7 @@ def property_of(declared: Field[Any]) -> Any:
     """
     limits, default = declared.metadata, declared.default
     common = {"name": label_of(declared), "default": default, "description": limits["description"]}
+    common["update"] = _settings_changed
     if limits["choices"]:
         items = [(choice, choice.replace("_", " ").title(), "") for choice in limits["choices"]]
         return bpy.props.EnumProperty(items=items, **common)
@@ -89,6 +93,21 @@ def findings_of(group: bpy.types.PropertyGroup) -> dict[str, int]:
     return json.loads(group.findings) if group.findings else {}
 
 
+def repaint_proof(obj: bpy.types.Object) -> None:
+    """Make the soft proof of an object, if it has one, anew: of another picture, by other UVs, in other units."""
+    with suppress(SettingsError):
+        follow_paint(obj, to_settings(obj.dualcolor))
+
+
+def _settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    with suppress(SettingsError):  # two that are at odds while several are changed
+        follow_settings(group.id_data, to_settings(group))
+
+
+def _image_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    repaint_proof(group.id_data)
+
+
 def _get_show_print(group: bpy.types.PropertyGroup) -> bool:
     return is_print_shown(group.id_data)
 
@@ -102,6 +121,7 @@ _OWN = {
         type=bpy.types.Image,
         name="Image",
         description="Picture to print; without one the image of the material, then the active color attribute is used",
+        update=_image_changed,
     ),
     "support_enforcers": bpy.props.PointerProperty(
         type=bpy.types.Collection,

@@ -13,6 +13,7 @@ from ..bridge.painting import (
     picture_size,
     set_up_painting,
 )
+from ..bridge.properties import repaint_proof
 from ..core.errors import PrintError
 from ..core.progress import retold
 from ..core.texture.decode import LUMINANCE
@@ -44,6 +45,7 @@ class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
         texel = self.texel_size or obj.dualcolor.layer_height / 2
         try:
             image = set_up_painting(obj, texel, obj.dualcolor.background_tone)
+            repaint_proof(obj)
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}

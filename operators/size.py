@@ -7,6 +7,7 @@ import numpy as np
 
 from ..bridge.bed import bounds_mm, scale_to_height
 from ..bridge.curves import source_of
+from ..bridge.properties import repaint_proof
 from ..bridge.units import mm_per_unit, use_millimetres
 from .generate import has_printable
 
@@ -56,6 +57,8 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
         if self.scene_in_mm:
             use_millimetres(context.scene)
         scale_to_height(obj, self.height)
+        for other in context.scene.objects if self.scene_in_mm else ():
+            repaint_proof(other)
         if context.area and context.area.type == "VIEW_3D":
             self._frame(context)
         self.report({"INFO"}, f"{obj.name} is {self.height:.1f} mm high")

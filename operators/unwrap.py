@@ -8,6 +8,7 @@ from functools import cache
 
 import bpy
 
+from ..bridge.properties import repaint_proof
 from ..bridge.unwrap import smart_project, unwrap_steps
 from ..core.unwrapping import ChartOptions, PackOptions
 from .job import JobOperator, Steps
@@ -93,6 +94,7 @@ class DUALCOLOR_OT_unwrap_xatlas(JobOperator, bpy.types.Operator):
         pack = PackOptions(1.0 / texel, self.padding, self.rotate_charts, self.brute_force)
         for share in unwrap_steps(obj, chart, pack):
             yield share, "unwrapping"
+        repaint_proof(obj)
         return f"{obj.name}: unwrapped into the UV map {obj.data.uv_layers.active.name}"
 
 
@@ -111,6 +113,7 @@ class DUALCOLOR_OT_unwrap_smart(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Unwrap the active object."""
         smart_project(context.object)
+        repaint_proof(context.object)
         return {"FINISHED"}
 
 

@@ -6,11 +6,14 @@ import bpy
 
 from ..bridge.curves import source_of
 from ..bridge.painting import picture_of
+from ..bridge.proof_views import WITHOUT_MATERIALS
+from ..bridge.soft_proof import is_proofed, proof_notes
 from ..operators.painting import (
     DUALCOLOR_OT_bake_occlusion,
     DUALCOLOR_OT_grey_from_color,
     DUALCOLOR_OT_set_up_painting,
 )
+from ..operators.soft_proof import DUALCOLOR_OT_soft_proof
 from ..operators.unwrap import DUALCOLOR_OT_unwrap_smart, DUALCOLOR_OT_unwrap_xatlas, has_xatlas
 from .prepare import LEAVE_EDIT_MODE
 from .rows import draw_progress, draw_sentence, draw_settings
@@ -36,12 +39,24 @@ class DUALCOLOR_PT_paint(ObjectPanel, bpy.types.Panel):
         column.operator(DUALCOLOR_OT_grey_from_color.bl_idname, icon="IMAGE_DATA")
         column.operator(DUALCOLOR_OT_bake_occlusion.bl_idname, icon="SHADING_RENDERED")
         draw_progress(layout, DUALCOLOR_OT_bake_occlusion)
+        _draw_soft_proof(layout, context, obj)
         for hint in hints(obj):
             draw_sentence(layout, context, hint, "INFO")
         row = layout.split(factor=0.25)
         row.label(text="Image")
         row.template_ID(obj.dualcolor, "image", open="image.open")
         draw_settings(layout, obj, PAINT)
+
+
+def _draw_soft_proof(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    shown = obj.type == "MESH" and is_proofed(obj)
+    layout.operator(DUALCOLOR_OT_soft_proof.bl_idname, icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
+    if not shown:
+        return
+    if context.space_data.shading.type in WITHOUT_MATERIALS:
+        draw_sentence(layout, context, "The proof is seen in Material Preview (Z)", "INFO")
+    for note in proof_notes(obj):
+        draw_sentence(layout, context, note, "INFO")
 
 
 def hints(obj: bpy.types.Object) -> list[str]:

@@ -1,0 +1,45 @@
+"""Soft Proof: the picture as it will print, while it is painted."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..bridge.curves import show_print
+from ..bridge.proof_views import show_as_before, show_materials
+from ..bridge.properties import to_settings
+from ..bridge.soft_proof import hide_proof, is_proofed, proof_notes, show_proof
+from ..core.errors import PrintError
+from .unwrap import has_mesh
+
+
+class DUALCOLOR_OT_soft_proof(bpy.types.Operator):
+    """Show the picture as it will print, also while it is painted: as fine as the print, in the tones that walls of \
+its slope can show, striped where it is too flat for tones. Again, the object is shown as it was"""
+
+    bl_idname = "dualcolor.soft_proof"
+    bl_label = "Soft Proof"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """A mesh in Object or a painting mode is needed."""
+        return has_mesh(cls, context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Turn it on or off."""
+        obj = context.object
+        if is_proofed(obj):
+            hide_proof(obj)
+            if not any(is_proofed(other) for other in context.scene.objects):
+                show_as_before()
+            return {"FINISHED"}
+        try:
+            show_proof(obj, to_settings(obj.dualcolor))
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        show_print(obj, False)  # its strands would stand in front
+        show_materials(context)
+        for note in proof_notes(obj):
+            self.report({"INFO"}, note)
+        return {"FINISHED"}

@@ -1,0 +1,328 @@
+"""The soft proof shows what the core says the print will show, and leaves the object as it was."""
+
+import math
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+import dualcolor  # noqa: E402
+from dualcolor.bridge.image_input import image_tone  # noqa: E402
+from dualcolor.bridge.instrument import Face  # noqa: E402
+from dualcolor.bridge.proof_picture import proof_picture  # noqa: E402
+from dualcolor.bridge.properties import to_settings  # noqa: E402
+from dualcolor.bridge.soft_proof import is_proofed, proof_notes, show_proof  # noqa: E402
+from dualcolor.core.calibration.calibrate import table_for  # noqa: E402
+from dualcolor.core.calibration.gamut_mapping import printable_tones  # noqa: E402
+from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.soft_proof import TAPS, proof_table, proof_window, tone_range  # noqa: E402
+from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
+from scene import add_box, add_material, add_mesh, add_uvs, flat_image, fresh, model_of  # noqa: E402
+
+KINDS = ("materials", "images", "node_groups", "objects", "meshes", "scenes")
+
+
+@pytest.fixture
+def registered():
+    fresh()
+    dualcolor.register()
+    yield
+    dualcolor.unregister()
+
+
+def picture(tone, name="picture"):
+    """An sRGB image of tones (H, W), row 0 at the bottom."""
+    tone = np.asarray(tone, dtype=np.float64)
+    image = bpy.data.images.new(name, tone.shape[1], tone.shape[0], alpha=True, float_buffer=False)
+    pixels = np.ones((*tone.shape, 4), dtype=np.float32)
+    pixels[..., :3] = srgb_from_linear(tone)[..., None]
+    image.pixels.foreach_set(pixels.ravel())
+    return image
+
+
+def leaning_wall(slant_deg, width, height, to_uv):
+    """A face about the origin that looks to the front, leaning back; its UVs are `to_uv` of mm across and up."""
+    slant = math.radians(slant_deg)
+    across, up = np.array([1.0, 0, 0]), np.array([0, math.sin(slant), math.cos(slant)])
+    flat = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * [width / 2, height / 2]
+    wall = add_mesh(flat[:, :1] * across + flat[:, 1:] * up, [(0, 1, 2, 3)], "wall")
+    add_uvs(wall, to_uv(flat))
+    return wall, Face((0.0, 0.0, 0.0), width, height, slant_deg)
+
+
+def filling(size):
+    return lambda flat: flat / size + 0.5
+
+
+def expected(table, tone, slant_deg):
+    """Read off the table between its four nearest entries."""
+    rows = [np.interp(tone, table.tone, row) for row in table.reflectance]
+    return float(np.interp(slant_deg, table.slant_deg, rows))
+
+
+@pytest.mark.parametrize("slant", [-25, 0, 33, 57])
+def test_nodes_show_what_the_table_says(registered, slant):
+    tones = np.array([0.0, 0.1, 0.3, 0.6, 0.85, 1.0])
+    wall, face = leaning_wall(slant, 30, 20, filling([30, 20]))
+    add_material(wall, picture(np.tile(np.repeat(tones, 20), (4, 1))))
+    bpy.ops.dualcolor.soft_proof()
+    seen = proof_picture(wall, face, 1.0, samples=2)
+    table = proof_table(to_settings(wall.dualcolor), (0.0, 1.0))
+    wanted = [expected(table, tone, max(slant, 0)) for tone in tones]
+    np.testing.assert_allclose(seen[10, 2::5], wanted, atol=0.01)
+
+
+def test_what_is_too_flat_is_marked(registered):
+    shown = {}
+    for slant in (55, 65, 75):
+        fresh()
+        wall, face = leaning_wall(slant, 12, 12, filling([12, 12]))
+        add_material(wall, picture(np.ones((4, 4))))
+        bpy.ops.dualcolor.soft_proof()
+        shown[slant] = proof_picture(wall, face, 0.5, samples=2)
+    even = shown[55].mean()
+    assert np.ptp(shown[55]) < 0.01
+    assert 0.3 < (np.abs(shown[65] - even) < 0.02).mean() < 0.7  # stripes, and gaps between them
+    assert (np.abs(shown[75] - even) < 0.02).mean() < 0.1
+
+
+def blurred_step(distance, window):
+    """Share of the taps beyond a step, for places that far before it (negative: beyond)."""
+    taps = ((np.arange(TAPS) + 0.5) / TAPS - 0.5) * window
+    return (distance[:, None] + taps > 0).mean(axis=1)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1000.0])
+@pytest.mark.parametrize("upward", [False, True])
+def test_window_is_as_wide_and_high_as_the_print_is_fine(registered, unit, upward):
+    settings = PrintSettings().changed({"pattern": "wave", "wavelength": 3.0, "layer_height": 0.5})
+    window = proof_window(settings)[1 if upward else 0]
+    turn = np.array([[0.8, 0.6], [-0.6, 0.8]])  # the chart lies askew in the picture
+    side, slant = 12.0, 50.0
+    wall, face = leaning_wall(slant, 8, 8, lambda flat: flat @ turn.T / side + 0.5)
+    # The picture is white where the wall is right of, or above, its middle.
+    place = (np.arange(384) + 0.5) / 384 * side - side / 2
+    u, v = np.meshgrid(place, place)
+    flat = np.stack([u, v], axis=-1) @ turn
+    image = picture((flat[..., 1 if upward else 0] > 0).astype(float))
+    add_material(wall, image)
+    if unit != 1.0:
+        bpy.context.scene.unit_settings.scale_length = 1.0
+        wall.scale = (1 / unit,) * 3
+        bpy.context.view_layer.update()
+        face = Face((0, 0, 0), face.width / unit, face.height / unit, slant)
+    show_proof(wall, settings)
+    seen = proof_picture(wall, face, 0.1 / unit, samples=2)
+    profile = seen.mean(axis=1)[::-1] if upward else seen.mean(axis=0)
+    distance = (np.arange(len(profile)) + 0.5) * 0.1 - 4.0
+    table = proof_table(settings, (0.0, 1.0))
+    high = window / math.cos(math.radians(slant)) if upward else window
+    wanted = [expected(table, tone, slant) for tone in blurred_step(distance, high)]
+    away = np.abs(np.abs(distance)[:, None] - np.array([0, high / 3])).min(axis=1) > 0.1  # not astride a step
+    np.testing.assert_allclose(profile[away], np.array(wanted)[away], atol=0.01)
+
+
+def test_vertex_colours_and_plain_materials_are_proofed_too(registered):
+    wall, face = leaning_wall(0, 10, 10, filling([10, 10]))
+    colours = wall.data.color_attributes.new("Col", "FLOAT_COLOR", "CORNER")
+    colours.data.foreach_set("color", np.tile([0.25, 0.25, 0.25, 1.0], 4))
+    bpy.ops.dualcolor.soft_proof()
+    table = proof_table(to_settings(wall.dualcolor), (0.25, 0.25))
+    assert proof_picture(wall, face, 1.0, samples=1).mean() == pytest.approx(expected(table, 0.25, 0), abs=0.01)
+    bpy.ops.dualcolor.soft_proof()
+    assert not wall.data.materials
+    wall.data.color_attributes.remove(wall.data.color_attributes[0])
+    bpy.ops.dualcolor.soft_proof()
+    table = proof_table(to_settings(wall.dualcolor), (0.5, 0.5))
+    assert proof_picture(wall, face, 1.0, samples=1).mean() == pytest.approx(expected(table, 0.5, 0), abs=0.01)
+
+
+def test_unpainted_parts_have_the_background_tone(registered):
+    wall, face = leaning_wall(0, 10, 10, filling([10, 10]))
+    add_material(wall, flat_image((1, 1, 1, 0)))
+    wall.dualcolor.background_tone = 0.3
+    bpy.ops.dualcolor.soft_proof()
+    table = proof_table(to_settings(wall.dualcolor), (0.3, 0.3))
+    assert proof_picture(wall, face, 1.0, samples=1).mean() == pytest.approx(expected(table, 0.3, 0), abs=0.01)
+
+
+def test_table_is_that_of_the_job_and_says_when_there_is_none(monkeypatch):
+    settings = PrintSettings()
+    made = proof_table(settings, (0.2, 0.7))
+    same = printable_tones(made.tone, made.slant_deg, table_for(settings), (0.2, 0.7), settings).seen
+    inside = (made.tone > 0.2) & (made.tone < 0.7)
+    np.testing.assert_allclose(made.reflectance[:, inside], same[:, inside])
+    assert not made.notes
+    # A stroke beyond the picture's own range is seen: darker, or lighter, than all there was.
+    narrow = proof_table(settings, (0.4, 0.6)).reflectance[0]
+    assert narrow[0] < narrow[26] < narrow[39] < narrow[64] and (np.diff(narrow) >= 0).all()
+    uncalibrated = proof_table(settings.changed({"calibration": "none"}), (0.0, 1.0))
+    table = table_for(settings)
+    np.testing.assert_allclose(uncalibrated.reflectance[0], np.interp(made.tone, table.tone, table.reflectance[0]))
+    assert "offset_max" in proof_table(settings.changed({"offset_max": 0.2}), (0, 1)).notes[0]
+    monkeypatch.setattr("dualcolor.core.soft_proof.table_for", lambda settings: None)
+    unknown = proof_table(settings, (0.0, 1.0))
+    np.testing.assert_array_equal(unknown.reflectance[3], unknown.tone)
+    assert "unknown" in unknown.notes[0]
+
+
+def test_range_is_that_of_the_surface_at_the_resolution_of_the_print(registered):
+    box = add_box((10, 10, 10))
+    layer = add_uvs(box)
+    fine = np.where(np.add.outer(np.arange(512), np.arange(512)) % 2, 1.0, 0.0)  # 0.02 mm
+    fine[:, :128] = 0.25
+    image = picture(fine)
+    uv = np.tile([[0.05, 0], [1, 0], [1, 1], [0.05, 1]], (6, 1))
+    layer.uv.foreach_set("vector", uv.astype(np.float32).ravel())
+    low, high = tone_range(model_of(box, image), PrintSettings())
+    assert low == pytest.approx(0.25, abs=0.01) and high < 0.7
+    assert image_tone(image).tone.max() == 1.0
+
+
+def looks(obj):
+    """All that the proof could have changed."""
+    slots = []
+    for slot in obj.material_slots:
+        link = slot.link
+        slot.link = "OBJECT"
+        slots.append((link, slot.material))
+        slot.link = link
+    trees = [
+        (tuple(map(repr, material.node_tree.nodes)), len(material.node_tree.links))
+        for material in obj.data.materials
+        if material
+    ]
+    attributes = [(each.name, each.data_type, each.domain) for each in obj.data.attributes]
+    names = [sorted(each.name for each in getattr(bpy.data, kind)) for kind in KINDS]
+    keys = sorted(obj.keys()), sorted(obj.data.keys())
+    return slots, list(obj.data.materials), trees, attributes, names, keys
+
+
+def dressed(kind):
+    box = add_box((20, 20, 20))
+    add_uvs(box)
+    if kind == "bare":
+        return box
+    image = flat_image((0.2, 0.2, 0.2, 1))
+    own, _ = add_material(box, image)
+    if kind == "several":
+        add_material(box, colour=(0.5, 0.1, 0.1, 1))
+        box.data.materials.append(None)
+        box.data.polygons.foreach_set("material_index", np.arange(6) % 3)
+    if kind in ("of the object", "hidden on the object"):
+        other = own.copy()
+        box.material_slots[0].link = "OBJECT"
+        box.material_slots[0].material = other
+    if kind == "hidden on the object":
+        box.material_slots[0].link = "DATA"
+    if kind == "chosen":
+        box.dualcolor.image = flat_image((0.9, 0.9, 0.9, 1), "chosen")
+    return box
+
+
+@pytest.mark.parametrize("kind", ["bare", "one", "several", "of the object", "hidden on the object", "chosen"])
+def test_afterwards_all_is_as_it_was(registered, kind):
+    box = dressed(kind)
+    before, printed = looks(box), model_of(box, box.dualcolor.image)
+    assert bpy.ops.dualcolor.soft_proof() == {"FINISHED"}
+    assert is_proofed(box)
+    meanwhile = model_of(box, box.dualcolor.image)
+    assert len(meanwhile.textures) == len(printed.textures)
+    np.testing.assert_array_equal(meanwhile.polygon_texture, printed.polygon_texture)
+    assert bpy.ops.dualcolor.soft_proof() == {"FINISHED"}
+    assert not is_proofed(box) and looks(box) == before
+
+
+def test_objects_with_the_same_mesh_keep_their_looks(registered):
+    box = dressed("bare")
+    twin = bpy.data.objects.new("twin", box.data)
+    bpy.context.scene.collection.objects.link(twin)
+    bpy.ops.dualcolor.soft_proof()
+    assert is_proofed(box) and not is_proofed(twin)
+    bpy.context.view_layer.objects.active = twin
+    bpy.ops.dualcolor.soft_proof()
+    bpy.context.view_layer.objects.active = box
+    bpy.ops.dualcolor.soft_proof()
+    assert is_proofed(twin) and not is_proofed(box)
+    bpy.context.view_layer.objects.active = twin
+    bpy.ops.dualcolor.soft_proof()
+    assert not box.data.materials and not bpy.data.materials
+
+
+def test_copies_of_a_proofed_object_are_freed_one_by_one(registered):
+    box = dressed("of the object")
+    own = box.material_slots[0].material
+    bpy.ops.dualcolor.soft_proof()
+    copy = box.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    bpy.ops.dualcolor.soft_proof()
+    assert is_proofed(copy) and box.material_slots[0].material == own
+    bpy.context.view_layer.objects.active = copy
+    bpy.ops.dualcolor.soft_proof()
+    assert copy.material_slots[0].material == own and len(bpy.data.images) == 1
+
+
+def test_a_file_that_was_saved_meanwhile_opens_with_all_in_it(registered, tmp_path):
+    box = dressed("of the object")
+    own = box.material_slots[0].material.name
+    own_of_mesh = box.data.materials[0].name
+    bpy.ops.dualcolor.soft_proof()
+    table = proof_table(to_settings(box.dualcolor), tone_range(model_of(box), to_settings(box.dualcolor)))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "proofed.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "proofed.blend"))
+    box = bpy.data.objects["box"]
+    assert is_proofed(box) and box.data.materials[0].name == own_of_mesh
+    image = bpy.data.images["box Soft Proof"]
+    pixels = np.array(image.pixels[:]).reshape(*table.reflectance.shape, 4)[..., 0]
+    np.testing.assert_allclose(pixels, table.reflectance, atol=1e-5)
+    bpy.context.view_layer.objects.active = box
+    bpy.ops.dualcolor.soft_proof()
+    assert box.material_slots[0].material.name == own and box.material_slots[0].link == "OBJECT"
+    assert "box Soft Proof" not in bpy.data.images and "box Soft Proof" not in bpy.data.materials
+
+
+def test_removing_the_extension_removes_the_proof(registered):
+    box = dressed("several")
+    before = looks(box)
+    bpy.ops.dualcolor.soft_proof()
+    dualcolor.unregister()
+    assert looks(box) == before
+    dualcolor.register()
+
+
+def test_settings_and_picture_are_followed(registered):
+    box = dressed("one")
+    bpy.ops.dualcolor.soft_proof()
+    proof = box.material_slots[0].material
+    response = proof.node_tree.nodes["Response"].image
+
+    def table():
+        return np.array(response.pixels[:])[::4]
+
+    first = table()
+    box.dualcolor.gamut_mapping = "clip"
+    assert np.abs(table() - first).max() > 0.01
+    box.dualcolor.pattern = "wave_offset"
+    assert proof.node_tree.nodes["Across"].outputs[0].default_value == pytest.approx(box.dualcolor.wavelength)
+    box.dualcolor.calibration, box.dualcolor.calibration_file = "file", "/nothing.json"
+    assert "cannot be read" in proof_notes(box)[0]
+    box.dualcolor.calibration = "slope_aware"
+    assert not any("cannot be read" in note for note in proof_notes(box))
+    box.dualcolor.image = flat_image((1, 1, 1, 1), "other")
+    shown = box.material_slots[0].material.node_tree.nodes.active
+    assert shown.image.name == "other"  # strokes go there, not to the table
+
+
+def test_a_picture_without_uv_map_is_said_and_nothing_is_changed(registered):
+    box = add_box((20, 20, 20))
+    add_material(box, flat_image((1, 1, 1, 1)))
+    before = looks(box)
+    with pytest.raises(RuntimeError, match="no UV map"):
+        bpy.ops.dualcolor.soft_proof()
+    assert looks(box) == before
+
+
+def test_a_reason_is_given_where_it_is_grey(registered):
+    with pytest.raises(RuntimeError, match="Select a mesh object with faces first"):
+        bpy.ops.dualcolor.soft_proof()
