@@ -28,6 +28,7 @@ from .plate import object_rows, plate_warnings
 from .progress import Progress, drained
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
+from .slicing.open_layers import open_warnings
 from .slicing.planes import line_widths
 from .slicing.slices import Slices, slices
 from .stage_cache import NoCache, StageCache
@@ -246,12 +247,7 @@ def _warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSet
     warnings = []
     if cut.united_layers:
         warnings.append(f"outlines that cross were united: in {cut.united_layers} of {len(cut.layers)} layers")
-    if len(cut.open_layers):
-        low, high = cut.layers.plane[cut.open_layers[[0, -1]]]
-        warnings.append(
-            f"outlines that do not close are left out: in {len(cut.open_layers)} layers from {low:.1f} to "
-            f"{high:.1f} mm; fill the holes of the mesh or raise gap_closing_radius"
-        )
+    warnings += open_warnings(cut.open_layers, cut.polygon_layer, cut.layers)
     if len(cut.specks.layer):
         warnings.append(f"outlines smaller than a strand are left out: {len(cut.specks.layer)} in all layers")
     full = line_widths(lines.layer, settings)[lines.loop]

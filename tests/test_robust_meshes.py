@@ -8,7 +8,10 @@ from dualcolor.core.errors import MeshError, PrintError
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.slicing.open_layers import heights
+from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.slicing.slices import slices
+from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.solids import box, cylinder, joined, surface
 from dualcolor.tests.winding import agreement
 
@@ -54,6 +57,33 @@ def test_mixed_winding_is_closed_and_printed():
     model = flipped(box((0, 0, 0), (20, 20, 5)), [3, 8])
     _, cut = sliced(model)
     np.testing.assert_allclose([region.area for region in cut.regions], 400, rtol=1e-6)
+
+
+def with_a_sail(*parts, low, high):
+    """Solids, and a single quad from one height to another."""
+    sail = surface(np.array([[2, 2, low], [8, 2, low], [8, 2, high], [2, 2, high]]), np.array([[0, 1, 2], [0, 2, 3]]))
+    return joined(*parts, sail)
+
+
+def test_layers_of_which_nothing_closes_are_left_out_and_named():
+    gap = generate(with_a_sail(box((0, 0, 0), (10, 10, 2)), box((0, 0, 3), (10, 10, 5)), low=2, high=3), SETTINGS)
+    assert gap.slices.open_layers.tolist() == [8, 9, 10, 11]
+    printed = np.unique(gap.moves.layer[gap.moves.feature == Feature.OUTER_WALL])
+    assert printed.tolist() == [*range(8), *range(12, 20)]
+    assert any("do not close are left out: in 4 layers from 2.00 to 3.00 mm" in text for text in gap.warnings)
+    assert any("to print from 2.00 to 3.00 mm, so what lies above begins in the air" in text for text in gap.warnings)
+    top = generate(with_a_sail(box((0, 0, 0), (10, 10, 2)), low=2, high=3), SETTINGS)
+    assert any(text.endswith("to print from 2.00 to 3.00 mm") for text in top.warnings)
+    with pytest.raises(MeshError, match=r"from 0\.00 to 1\.00 mm"):
+        generate(with_a_sail(box((0, 0, 1), (10, 10, 2)), low=0, high=1), SETTINGS)
+
+
+def test_stretches_of_heights():
+    stack = layer_stack(10, SETTINGS)
+    assert heights(np.array([0, 1, 4, 5, 6, 9]), stack) == (
+        "from 0.00 to 0.50 and from 1.00 to 1.75 and from 2.25 to 2.50 mm"
+    )
+    assert heights(np.arange(0, 20, 2), stack) == "from 0.00 to 4.75 mm"
 
 
 def test_duplicate_and_zero_area_faces_change_nothing():

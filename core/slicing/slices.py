@@ -11,6 +11,7 @@ from ..errors import MeshError
 from ..model import IntArray, TriangleMesh
 from ..settings import PrintSettings
 from .bands import linked_outlines
+from .open_layers import check_open
 from .outlines import Outlines, starts, sums
 from .overlaps import overlaps
 from .planes import Layers, layer_stack
@@ -54,7 +55,7 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     """Slice the mesh at the middle of every layer.
 
     Raises:
-        MeshError: the mesh is open, too low, or has no inside.
+        MeshError: the mesh is open at the bottom or everywhere, too low, or has no inside.
     """
     stack = layer_stack(float(mesh.vertices[:, 2].max()), settings)
     raw, open_layers = linked_outlines(mesh, stack.plane, settings.gap_closing_radius)
@@ -70,22 +71,12 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
         polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
     if len(polygons) == 0 and len(open_layers) == 0:
         raise MeshError("the mesh has no inside to print", "give it a volume, for example with a Solidify modifier")
-    _check_open(open_layers, polygon_layer, stack)
+    check_open(open_layers, polygon_layer, stack)
     regions = layer_regions(polygons, polygon_layer, len(stack))
     shared, united_layers = overlaps(whole, mesh, len(stack)), int(crossing.sum())
     return Slices(
         stack, outlines, polygons, polygon_layer, loop_polygon, regions, united_layers, specks, shared, open_layers
     )
-
-
-def _check_open(open_layers: IntArray, polygon_layer: IntArray, stack: Layers) -> None:
-    """Refuse a mesh of which a layer would be missing because its outline does not close."""
-    missing = np.setdiff1d(open_layers, polygon_layer)
-    if len(missing):
-        raise MeshError(
-            f"the mesh is open: at {stack.plane[missing[0]]:.2f} mm above the bed no outline closes",
-            "fill its holes (Edit Mode, Select > All by Trait > Non Manifold, then Face > Fill)",
-        )
 
 
 def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:
