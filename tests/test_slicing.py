@@ -8,11 +8,11 @@ from dualcolor.core.mesh import triangulate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.cycles import cycles
 from dualcolor.core.slicing.intersect import intersect
-from dualcolor.core.slicing.link import link
+from dualcolor.core.slicing.link import by_neighbours, by_sorting, link
 from dualcolor.core.slicing.outlines import Outlines, starts
 from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.slicing.union import united, winding_number
+from dualcolor.core.slicing.union import equal_segments, united, winding_number
 from dualcolor.tests.solids import box, cylinder, joined, lathe, picture, surface
 
 KEEP = PrintSettings(center_on_bed=False)
@@ -266,3 +266,27 @@ def test_real_models_have_the_volume_of_their_mesh(data, name, height):
     volume = np.einsum("ij,ij->i", np.cross(a, b), c).sum() / 6
     assert areas(result) @ result.layers.height == pytest.approx(volume, rel=2e-3)
     assert shapely.is_valid(result.regions).all()
+
+
+def test_cuts_are_linked_alike_with_and_without_sorting():
+    mesh = triangulate(joined(lathe([[10, 0], [6, 7], [9, 16]]), box((20, -5, 0), (30, 5, 12))), KEEP)
+    cuts = intersect(mesh, layer_stack(16.0, KEEP).plane)
+    assert np.array_equal(by_neighbours(cuts), by_sorting(cuts))
+
+
+def test_cuts_that_are_not_paired_one_to_one_are_sorted():
+    solid = box((0, 0, 0), (10, 10, 5))
+    planes = layer_stack(5.0, KEEP).plane
+    for model in (joined(solid, solid), joined(solid, box((0, 0, 0), (10, 10, 5), inward=True))):
+        cuts = intersect(triangulate(model, KEEP), planes)
+        assert by_neighbours(cuts) is None
+        assert sorted(by_sorting(cuts)) == list(range(len(cuts.face)))
+
+
+def test_segments_are_known_again_either_way_round_but_not_among_equal_ones():
+    tails, heads = (
+        np.array([[0.0, 0], [1, 0], [1, 1], [5, 5], [5, 5]]),
+        np.array([[1.0, 0], [1, 1], [0, 0], [6, 5], [6, 5]]),
+    )
+    new_tails, new_heads = np.array([[-0.0, 0], [1, 1], [0.5, 0], [6, 5]]), np.array([[1.0, 0], [1, 0], [1, 0], [5, 5]])
+    assert equal_segments(new_tails, new_heads, tails, heads).tolist() == [0, 1, -1, -1]

@@ -18,9 +18,12 @@ def cycles(successor: IntArray) -> tuple[IntArray, IntArray]:
     """
     root = np.arange(len(successor))
     jump = successor
-    while not np.array_equal(root[successor], root):
-        root = np.minimum(root, root[jump])
-        jump = jump[jump]
+    while True:
+        # Once twice as far ahead nothing less is found, all of the cycle has been looked at.
+        ahead = np.minimum(root, root[jump])
+        if np.array_equal(ahead, root):
+            break
+        root, jump = ahead, jump[jump]
     is_root = root == np.arange(len(root))
     steps = np.where(is_root, 0, 1)
     jump = np.where(is_root, root, successor)

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray, TriangleMesh
+from ..pattern.chunks import in_chunks
 from .outlines import ranges
+
+# For each set of corners above a plane, as bits: the corner that is alone on its side and the two that follow it, and
+# whether it is above.
+_FROM_APEX = (np.array([0, 0, 1, 2, 2, 1, 0, 0]) + np.arange(3)[:, None]) % 3
+_LONE_IS_ABOVE = np.array([False, True, True, False, True, False, False, False])
 
 
 @dataclass(frozen=True)
@@ -42,33 +50,36 @@ def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
         mesh: F faces.
         planes: (L,) mm, increasing.
     """
-    height = mesh.vertices[:, 2][mesh.faces]
-    first = np.searchsorted(planes, height.min(axis=1), side="right")
-    count = np.searchsorted(planes, height.max(axis=1), side="right") - first
+    corner = mesh.faces.ravel()
+    height = mesh.vertices[:, 2][corner]
+    first, end = (np.searchsorted(planes, extreme, side="right") for extreme in extremes(height))
+    count = end - first
     face = np.repeat(np.arange(len(mesh.faces)), count)
     layer = ranges(first, count)
+    edge = _edge_ids(mesh.faces).ravel()
+    carried = np.concatenate([mesh.face_uv, mesh.face_tone[..., None]], axis=2).reshape(-1, 3)
 
-    above = height[face] >= planes[layer, None]
-    lone_is_above = above.sum(axis=1) == 1
-    apex = np.argmax(above == lone_is_above[:, None], axis=1)
-    # Corners in the face's own turn, the apex first: the cut runs from edge (0, 1) to edge (2, 0) when the apex is
-    # above, and back when it is below.
-    corners = (apex[:, None] + np.arange(3)) % 3
-    ahead = np.where(lone_is_above, 1, 2)
-    behind = 3 - ahead
-    row = np.arange(len(face))
-    ends = [(corners[row, 0], corners[row, side]) for side in (ahead, behind)]
-    edge_of_side = _edge_ids(mesh.faces)
-    edges = [edge_of_side[face, np.where(side == 1, corners[row, 0], corners[row, 2])] for side in (ahead, behind)]
-    cuts = [_cut(mesh, face, planes[layer], a, b) for a, b in ends]
-    return Segments(
-        layer,
-        face,
-        tail=edges[0],
-        head=edges[1],
-        points=np.stack([cuts[0][0], cuts[1][0]], axis=1),
-        carried=np.stack([cuts[0][1], cuts[1][1]], axis=1),
-    )
+    def chunk(face: IntArray, layer: IntArray) -> tuple[NDArray[Any], ...]:
+        """Edges, ends and what they carry of some of the cuts."""
+        plane, corners = planes[layer], 3 * face
+        above = sum((height[corners + k] >= plane) * np.int64(1 << k) for k in range(3))
+        # Corners in the face's own turn, the apex first: the cut runs from edge (0, 1) to edge (2, 0) when the apex is
+        # above, and back when it is below.
+        apex, second, third = (corners + turned[above] for turned in _FROM_APEX)
+        lone_is_above = _LONE_IS_ABOVE[above]
+        ahead, behind = np.where(lone_is_above, (second, third), (third, second))
+        cuts = [_cut(mesh.vertices, corner, carried, plane, apex, other) for other in (ahead, behind)]
+        tail, head = np.where(lone_is_above, (apex, third), (third, apex))
+        points, values = (np.stack(pair, axis=1) for pair in zip(*cuts, strict=True))
+        return edge[tail], edge[head], points, values
+
+    return Segments(layer, face, *in_chunks(chunk, face, layer))
+
+
+def extremes(height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(F,) the least and the greatest of the heights (3F,) of each face's corners."""
+    a, b, c = height[0::3], height[1::3], height[2::3]
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
 
 
 def _edge_ids(faces: IntArray) -> IntArray:
@@ -79,15 +90,13 @@ def _edge_ids(faces: IntArray) -> IntArray:
 
 
 def _cut(
-    mesh: TriangleMesh, face: IntArray, plane: FloatArray, a: IntArray, b: IntArray
+    vertices: FloatArray, corner: IntArray, carried: FloatArray, plane: FloatArray, a: IntArray, b: IntArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Point and carried values where the edge between corners a and b of a face meets its plane."""
+    """Point and carried values where the edge between corners a and b of the mesh meets its plane."""
     # From the lower vertex number to the higher one, so that both faces of an edge get the very same point.
-    swap = mesh.faces[face, a] > mesh.faces[face, b]
-    a, b = np.where(swap, b, a), np.where(swap, a, b)
-    from_point, to_point = mesh.vertices[mesh.faces[face, a]], mesh.vertices[mesh.faces[face, b]]
-    share = ((plane - from_point[:, 2]) / (to_point[:, 2] - from_point[:, 2]))[:, None]
-    point = from_point[:, :2] + share * (to_point - from_point)[:, :2]
-    carried = np.concatenate([mesh.face_uv, mesh.face_tone[..., None]], axis=2)
-    from_value, to_value = carried[face, a], carried[face, b]
-    return point, from_value + share * (to_value - from_value)
+    swap = corner[a] > corner[b]
+    a, b = np.where(swap, (b, a), (a, b))
+    low, high = (vertices.take(corner[end], axis=0) for end in (a, b))
+    share = ((plane - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None]
+    value = carried.take(a, axis=0)
+    return low[:, :2] + share * (high - low)[:, :2], value + share * (carried.take(b, axis=0) - value)

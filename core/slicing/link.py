@@ -32,6 +32,12 @@ def link(segments: Segments, gap_closing_radius: float) -> tuple[Outlines, IntAr
 
 def _successors(segments: Segments) -> IntArray:
     """(S,) the segment that goes on where each one ends, -1 where none does."""
+    successor = by_neighbours(segments)
+    return by_sorting(segments) if successor is None else successor
+
+
+def by_sorting(segments: Segments) -> IntArray:
+    """(S,) the segment that starts on the edge where each one ends, the k-th of several; -1 where none does."""
     edges = int(max(segments.tail.max(initial=0), segments.head.max(initial=0))) + 1
     tail, head = segments.layer * edges + segments.tail, segments.layer * edges + segments.head
     by_tail, by_head = np.argsort(tail, kind="stable"), np.argsort(head, kind="stable")
@@ -49,6 +55,27 @@ def _successors(segments: Segments) -> IntArray:
     return successor
 
 
+def by_neighbours(segments: Segments) -> IntArray | None:
+    """As `by_sorting` where each edge that is cut parts two faces turned alike, else None; without any sorting.
+
+    The faces that an edge parts are cut by the same layers, and the cuts of a face stand one after the other: the cut
+    that goes on is found by the face beyond the edge and the layer.
+    """
+    count = len(segments.face)
+    if not count:
+        return None
+    beyond = np.zeros(int(max(segments.tail.max(), segments.head.max())) + 1, dtype=np.int64)
+    beyond[segments.tail] = segments.face
+    row = np.flatnonzero(np.diff(segments.face, prepend=-1))
+    base = np.zeros(int(segments.face.max()) + 1, dtype=np.int64)  # the row of a face's cut by layer 0, if it had one
+    base[segments.face[row]] = row - segments.layer[row]
+    successor: IntArray = (base[beyond])[segments.head] + segments.layer
+    if successor.min() < 0 or successor.max() >= count or not (segments.tail[successor] == segments.head).all():
+        return None
+    once = np.bincount(successor, minlength=count).max() == 1
+    return successor if once and (segments.layer[successor] == segments.layer).all() else None
+
+
 def _rank_in_group(ordered: IntArray) -> IntArray:
     index = np.arange(len(ordered))
     first = np.concatenate([[True], ordered[1:] != ordered[:-1]]) if len(ordered) else np.zeros(0, dtype=bool)
@@ -56,15 +83,19 @@ def _rank_in_group(ordered: IntArray) -> IntArray:
 
 
 def _in_order(segments: Segments, root: IntArray, rank: IntArray) -> Outlines:
-    roots, loop = np.unique(root, return_inverse=True)
+    roots = np.flatnonzero(root == np.arange(len(root)))
     by_layer = np.argsort(segments.layer[roots], kind="stable")
-    place = np.empty(len(roots), dtype=np.int64)
-    place[by_layer] = np.arange(len(roots))
-    loop = place[loop]
+    place = np.empty(len(root), dtype=np.int64)
+    place[roots[by_layer]] = np.arange(len(roots))
+    loop = place[root]
     count = np.bincount(loop, minlength=len(roots))
     start = starts(count)
     order = np.empty(len(root), dtype=np.int64)
     order[start[loop] + rank] = np.arange(len(root))
     return Outlines(
-        segments.points[order, 0], start, segments.layer[roots][by_layer], segments.face[order], segments.carried[order]
+        segments.points[:, 0].take(order, axis=0),
+        start,
+        segments.layer[roots][by_layer],
+        segments.face[order],
+        segments.carried.take(order, axis=0),
     )

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from ..errors import MeshError
 from ..model import IntArray, TriangleMesh
+from ..pattern.chunks import in_threads
 from ..settings import PrintSettings
 from .bands import linked_outlines
 from .open_layers import check_open
-from .outlines import Outlines, starts, sums
+from .outlines import Outlines, sums
 from .overlaps import overlaps
 from .planes import Layers, layer_stack
 from .regions import boundary_loops, crossing_layers, layer_regions, region_polygons
@@ -20,6 +21,8 @@ from .union import united
 
 # Loops smaller than this (mm²) come from vertices that touch a plane.
 SMALLEST_AREA = 1e-3
+# Points nearer to each other than this (mm) are one.
+SHORTEST_SEGMENT = 1e-7
 
 
 @dataclass(frozen=True)
@@ -85,10 +88,9 @@ def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:
 
 
 def _united_where(outlines: Outlines, crossing: NDArray[np.bool_], shortest: float) -> Outlines:
-    parts = [outlines.selected(~crossing[outlines.layer])]
-    for layer in np.flatnonzero(crossing):
-        parts.append(cleaned(united(outlines.selected(outlines.layer == layer)), shortest)[0])
-    return Outlines.joined(parts)
+    bounds = np.searchsorted(outlines.layer, np.flatnonzero(crossing)[:, None] + [0, 1]).tolist()
+    parts = in_threads(lambda loops: cleaned(united(outlines.between(*loops)), shortest)[0], bounds)
+    return Outlines.joined([outlines.selected(~crossing[outlines.layer]), *parts])
 
 
 def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
@@ -97,13 +99,9 @@ def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
     Returns:
         The outlines, and the loops with an area that were too short.
     """
-    length = np.linalg.norm(outlines.ends - outlines.points, axis=1)
-    keep = length > 1e-7
-    count = sums(keep.astype(np.float64), outlines.start).astype(np.int64)
-    shorter = Outlines(
-        outlines.points[keep], starts(count), outlines.layer, outlines.face[keep], outlines.carried[keep]
-    )
-    shorter = shorter.selected(count >= 3)
+    along = outlines.ends - outlines.points
+    shorter = outlines.without_points(np.hypot(along[:, 0], along[:, 1]) <= SHORTEST_SEGMENT)
+    shorter = shorter.selected(shorter.count >= 3)
     shorter = shorter.selected(np.abs(shorter.signed_area) > SMALLEST_AREA)
     around = shorter.ends - shorter.points
     long_enough = sums(np.hypot(around[:, 0], around[:, 1]), shorter.start) >= shortest
