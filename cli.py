@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from .commands import analyse, audit, build_table, demo, measure, plate, render
+from .commands import analyse, audit, build_table, demo, measure, plate, read_photo, render, tile
 from .commands import print as print_command
 from .commands.terminal import file_size
 from .core.errors import PrintError
@@ -36,7 +36,18 @@ class Command(Protocol):
         """Do it; the lines to be printed."""
 
 
-COMMANDS: tuple[Command, ...] = (print_command, demo, render, plate, analyse, audit, measure, build_table)
+COMMANDS: tuple[Command, ...] = (
+    print_command,
+    demo,
+    render,
+    plate,
+    analyse,
+    audit,
+    measure,
+    build_table,
+    tile,
+    read_photo,
+)
 
 
 def main(argv: Sequence[str]) -> int:

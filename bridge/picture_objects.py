@@ -16,7 +16,14 @@ UV_LAYER = "Picture"
 
 
 def add_picture_object(picture: ToneImage, shape: PictureShape, name: str, settings: PrintSettings) -> bpy.types.Object:
-    """A new object at the 3D cursor that bears a picture, selected, with its settings.
+    """A new object as `picture_object` makes it, which keeps the settings."""
+    obj = picture_object(picture, shape, name, settings)
+    from_settings(obj.dualcolor, settings)
+    return obj
+
+
+def picture_object(picture: ToneImage, shape: PictureShape, name: str, settings: PrintSettings) -> bpy.types.Object:
+    """A new object at the 3D cursor that bears a picture, selected.
 
     The picture becomes an image of its own, packed into the file, so that it can be painted on texel by texel. What
     bears no picture has the settings' background tone.
@@ -25,7 +32,7 @@ def add_picture_object(picture: ToneImage, shape: PictureShape, name: str, setti
         picture: fitted to the shape.
         shape: made with the same settings.
         name: of the object, its material and its image.
-        settings: kept with the object.
+        settings: those that the shape was made with.
     """
     obj = bpy.data.objects.new(name, _mesh(shape, name))
     obj.data.materials.append(_material(name, tone_as_image(picture, name)))
@@ -36,7 +43,6 @@ def add_picture_object(picture: ToneImage, shape: PictureShape, name: str, setti
         other.select_set(False)
     obj.select_set(True)
     bpy.context.view_layer.objects.active = obj
-    from_settings(obj.dualcolor, settings)
     return obj
 
 

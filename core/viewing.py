@@ -86,7 +86,7 @@ def seen_from(picture: Picture, mm_per_pixel: float, distance_mm: float) -> Pict
     sigma = resolution_mm(distance_mm) * _SIGMA_OF_FWHM / mm_per_pixel
     light = linear_from_srgb(np.arange(256) / 255.0)[picture]
     for axis in (0, 1):
-        light = _blurred(light, sigma, axis)
+        light = blurred(light, sigma, axis)
     return encoded(light)
 
 
@@ -121,8 +121,8 @@ def contact_sheet(rows: Sequence[Sequence[Picture]], labels: Sequence[str]) -> P
     return np.asarray(sheet)
 
 
-def _blurred(light: FloatArray, sigma: float, axis: int) -> FloatArray:
-    """Convolved with a Gaussian of `sigma` pixels along an axis."""
+def blurred(light: FloatArray, sigma: float, axis: int) -> FloatArray:
+    """Convolved with a Gaussian of `sigma` pixels along an axis; mirrored beyond the edges."""
     length = light.shape[axis]
     pad = min(math.ceil(4 * sigma), length)
     wide = np.pad(light, [(pad, pad) if each == axis else (0, 0) for each in range(light.ndim)], "symmetric")

@@ -1,0 +1,226 @@
+"""From a photograph of the printed step wedge to a tone table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import CalibrationError
+from ..model import FloatArray
+from ..settings import PrintSettings
+from .about import About, tone_settings
+from .homography import projected, square_to
+from .photograph import Photograph
+from .step_wedge import COLUMNS, MARKS, ROWS, STEPS, Patches, patch_tones, patches, references
+from .table import ToneTable, isotonic
+
+_LEAST_PATCH_PX = 16.0
+_FINEST_PATCH_PX = 100.0  # more is averaged before it is read
+_MOST_FULL = 0.02  # of a white patch's pixels may be as bright as the file can tell
+_LEAST_CONTRAST = 0.02  # of the printed white, between it and the printed black
+_OUTLIER = 3.0  # deviations from the median
+_LEAST_DEVIATION = 0.01  # of the patch's brightness
+_UNEVEN = 0.05  # of the range, that is left in the references
+_DESCENT = 0.05
+
+
+@dataclass(frozen=True)
+class WedgeReading:
+    """What a photograph of the wedge tells. T tones.
+
+    Attributes:
+        tone: (T,) from 0 to 1.
+        seen: (T,) linear light, the printed black 0 and the printed white 1; not descending.
+        noise: (T,) standard error of it.
+        notes: what is to be said about the photograph, one sentence each.
+    """
+
+    tone: FloatArray
+    seen: FloatArray
+    noise: FloatArray
+    notes: list[str]
+
+
+def read_wedge(photo: Photograph, marks: FloatArray, settings: PrintSettings) -> WedgeReading:
+    """Read the steps between the printed white and black.
+
+    Args:
+        photo: of the wedge.
+        marks: (4, 2) pixels, in the order of `MARKS`.
+        settings: that the wedge was printed with.
+
+    Raises:
+        CalibrationError: the wedge is too small in it, too bright, or has no contrast.
+    """
+    light, error = patch_means(photo, marks, patches(settings))
+    white, black = references()
+    share, deviation, left = _evened(light, error)
+    notes = []
+    if left > _UNEVEN:
+        notes.append(
+            f"the printed white and black differ by {left:.0%} from place to place: photograph in softer light, "
+            "without reflections"
+        )
+    tone = patch_tones()
+    steps = ~(white | black | np.isnan(tone))
+    seen, noise = np.zeros(STEPS), np.zeros(STEPS)
+    order = np.argsort(tone[steps])
+    seen[1:-1], noise[1:-1] = share[steps][order], deviation[steps][order]
+    seen[-1] = 1.0
+    noise[0], noise[-1] = (float(deviation[those].mean()) for those in (black, white))
+    ascending = isotonic(np.clip(seen, 0.0, 1.0))
+    descent = float(np.abs(ascending - seen).max())
+    if descent > _DESCENT:
+        notes.append(
+            f"tones that should get lighter get darker by up to {2 * descent:.0%} of the range: check the print"
+        )
+    return WedgeReading(np.linspace(0.0, 1.0, STEPS), ascending, noise, notes)
+
+
+def wedge_table(
+    reading: WedgeReading, settings: PrintSettings, simulated: ToneTable, ends: tuple[float, float] | None, source: str
+) -> ToneTable:
+    """The table of a printer and its filaments.
+
+    A photograph shows what lies between the printed black and white, not how dark and light these are: that is taken
+    from `ends`, or from the simulation. It shows an upright wall. On slopes the simulation is corrected by what it was
+    wrong by on the upright wall, in proportion to the slope's range; if it is one for other settings, there is only
+    the upright wall.
+
+    Args:
+        reading: of the wedge.
+        settings: that it was printed with.
+        simulated: of the tables at hand the one that fits these settings best.
+        ends: reflectance of the printed black and white, linear, if they are known.
+        source: of the photograph.
+    """
+    fits = not simulated.about.differences(settings)
+    rows = np.stack([np.interp(reading.tone, simulated.tone, row) for row in simulated.reflectance])
+    black, white = ends or (float(rows[0, 0]), float(rows[0, -1]))
+    upright = black + reading.seen * (white - black)
+    noise = reading.noise * (white - black)
+    about = About(tone_settings(settings), dict(simulated.about.reflectance), source)
+    if not fits:
+        return ToneTable(reading.tone, np.zeros(1), upright[None, :], noise[None, :], about)
+    share = (rows[:, -1] - rows[:, 0]) / (rows[0, -1] - rows[0, 0])
+    corrected = rows + share[:, None] * (upright - rows[0])
+    return ToneTable(
+        reading.tone, simulated.slant_deg, np.stack([isotonic(np.clip(row, 0.0, 1.0)) for row in corrected]),
+        np.tile(noise, (len(rows), 1)), about,
+    )  # fmt: skip
+
+
+def patch_means(photo: Photograph, marks: FloatArray, size: Patches) -> tuple[FloatArray, FloatArray]:
+    """(5, 9) linear light of each patch's middle part and its standard error.
+
+    A patch is cut into pieces, each a whole period of the pattern high; pieces with blobs and gaps, which differ from
+    the others, are left out. Pixels count by the part of the patch that they show, so perspective is undone without
+    interpolation.
+
+    Args:
+        photo: of the wedge.
+        marks: (4, 2) pixels, in the order of `MARKS`.
+        size: of the patches.
+
+    Raises:
+        CalibrationError: the patches are too small or too bright in it.
+    """
+    span = MARKS[2] - MARKS[0]
+    grid = np.array([(0, 0), (COLUMNS, 0), (COLUMNS, ROWS), (0, ROWS)], dtype=np.float64)
+    corners = projected(square_to(marks), (grid - MARKS[0]) / span)
+    patch_px = _patch_pixels(corners)
+    if patch_px < _LEAST_PATCH_PX:
+        raise CalibrationError(
+            f"the tile is too small in the photograph, its patches are {patch_px:.0f} pixels high",
+            f"get nearer, for {_LEAST_PATCH_PX:.0f} or more",
+        )
+    part, begin = photo.cropped(corners, 2.0)
+    factor = max(int(patch_px / _FINEST_PATCH_PX), 1)
+    part = part.reduced(factor)
+    row, column = np.indices(part.light.shape)
+    pixel = (np.stack([column.ravel(), row.ravel()], axis=1) + 0.5) * factor + begin
+    inverse = np.linalg.inv(square_to(marks))
+    place = projected(inverse, pixel) * span + MARKS[0]
+    # How much of the wedge a pixel shows goes with the third power of its distance's inverse.
+    depth = np.abs(inverse[2, 0] * pixel[:, 0] + inverse[2, 1] * pixel[:, 1] + inverse[2, 2])
+    area = (depth.min() / depth) ** 3
+    on_grid = ((place >= 0) & (place < (COLUMNS, ROWS))).all(axis=1)
+    patch = np.floor(place[on_grid]).astype(np.int64)
+    number = patch[:, 1] * COLUMNS + patch[:, 0]
+    off = (place[on_grid] - patch - 0.5) * (size.width, size.height)
+    _check_exposure(part.is_full.ravel()[on_grid], number)
+    pixel_mm = size.height / (patch_px / factor)
+    pieces = _pieces(off, pixel_mm, part.light.ravel()[on_grid], area[on_grid], number, size)
+    return _without_outliers(pieces)
+
+
+def _patch_pixels(corners: FloatArray) -> float:
+    """The least height or width of a patch, in pixels, taken along the grid's edges."""
+    edge = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    return float(min(edge[0] / COLUMNS, edge[2] / COLUMNS, edge[1] / ROWS, edge[3] / ROWS))
+
+
+def _check_exposure(is_full: FloatArray, number: FloatArray) -> None:
+    full = np.bincount(number, is_full, minlength=ROWS * COLUMNS)
+    share = full / np.maximum(np.bincount(number, minlength=ROWS * COLUMNS), 1)
+    most = float(share[references()[0].ravel()].max())
+    if most > _MOST_FULL:
+        raise CalibrationError(
+            f"the photograph is overexposed, {most:.0%} of a white patch is as bright as it can be", "expose it less"
+        )
+
+
+def _pieces(
+    off: FloatArray, pixel_mm: float, light: FloatArray, area: FloatArray, number: FloatArray, size: Patches
+) -> FloatArray:
+    """(P, 45) mean of each piece of each patch: a period high, half of what is read wide, faded to both sides."""
+    means = []
+    half = size.read_width / 2
+    for across in (-half / 2, half / 2):
+        fade = np.clip(1.0 - np.abs(off[:, 0] - across) / half, 0.0, None)
+        for period in range(size.read_periods):
+            low = (period - size.read_periods / 2) * size.period
+            # The share of a pixel that lies in the piece, for whole periods to be whole to a fraction of a pixel.
+            inside = np.minimum(off[:, 1] + pixel_mm / 2, low + size.period) - np.maximum(off[:, 1] - pixel_mm / 2, low)
+            weight = fade * area * np.clip(inside, 0.0, None)
+            total = np.bincount(number, weight, minlength=ROWS * COLUMNS)
+            means.append(np.bincount(number, weight * light, minlength=ROWS * COLUMNS) / np.maximum(total, 1e-12))
+    return np.stack(means)
+
+
+def _without_outliers(pieces: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(5, 9) means and their standard errors of pieces (P, 45)."""
+    median = np.median(pieces, axis=0)
+    off = np.abs(pieces - median)
+    usual = np.maximum(1.4826 * np.median(off, axis=0), _LEAST_DEVIATION * median)
+    kept = off <= _OUTLIER * usual
+    count = kept.sum(axis=0)
+    mean = np.where(kept, pieces, 0.0).sum(axis=0) / count
+    spread = np.sqrt(np.where(kept, (pieces - mean) ** 2, 0.0).sum(axis=0) / np.maximum(count - 1, 1) / count)
+    return mean.reshape(ROWS, COLUMNS), spread.reshape(ROWS, COLUMNS)
+
+
+def _evened(light: FloatArray, error: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """(5, 9) between the black and the white that would be seen there, its error, and how far references are off.
+
+    The logarithms of the white patches' light and of the black ones' are each fitted by a polynomial of the second
+    degree over the wedge: fall-off, veiling light and what changes with the direction of view are all in them.
+
+    Raises:
+        CalibrationError: white and black look alike.
+    """
+    row, column = np.indices(light.shape)
+    x, y = column.ravel() / (COLUMNS - 1) - 0.5, row.ravel() / (ROWS - 1) - 0.5
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+    known = np.log(np.maximum(light, 1e-6)).ravel()
+    white, black = (
+        np.exp(terms @ np.linalg.lstsq(terms[those.ravel()], known[those.ravel()], rcond=None)[0]).reshape(light.shape)
+        for those in references()
+    )
+    if (white - black < _LEAST_CONTRAST * white).any():
+        raise CalibrationError("the printed white and black look alike in the photograph", "check corners and light")
+    share = (light - black) / (white - black)
+    is_white, is_black = references()
+    left = np.concatenate([share[is_white] - 1.0, share[is_black]])
+    return share, np.hypot(error / (white - black), left.std()), float(np.abs(left).max())
