@@ -16,6 +16,7 @@ from ..core.texture.decode import colour_tone
 from .base_colour import BaseColour, base_colour
 from .image_input import image_tone
 from .printed_materials import printed_materials
+from .seam_visibility import painted_visibility
 from .units import mm_per_unit
 
 WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
@@ -38,11 +39,12 @@ def surface_model(
     Args:
         obj: the object to print.
         depsgraph: evaluated, of the scene that the object is in.
-        settings: for the background tone.
+        settings: for the background tone, and what says where seams are seen.
         image: the picture chosen by the user; it covers the whole object by the active UV map.
 
     Raises:
         MeshError: the object has no surface.
+        SettingsError: what shall say where seams are seen is not there.
         TextureError: a picture is missing or there is no UV map for it.
     """
     with evaluated_mesh(obj, depsgraph) as mesh:
@@ -53,6 +55,7 @@ def surface_model(
         tone = _corner_tone(mesh, corners, colours, slot, settings.background_tone)
         textures, polygon_texture = _textures(colours, slot)
         support = _face_marks(mesh)
+        weights, shown = painted_visibility(obj, mesh, settings.seam_visibility)
         vertices = world_vertices(mesh, obj.evaluated_get(depsgraph), mm_per_unit(depsgraph.scene))
     order = corners.outward(mirrored=obj.evaluated_get(depsgraph).matrix_world.determinant() < 0)
     return SurfaceModel(
@@ -62,9 +65,11 @@ def surface_model(
         corner_uv=None if uv is None else uv[order],
         corner_tone=None if tone is None else tone[order],
         polygon_texture=polygon_texture,
-        textures=textures,
+        textures=(*textures, shown) if shown else textures,
         name=obj.name,
         polygon_support=support,
+        corner_visibility=None if weights is None else weights[corners.vertex][order],
+        polygon_visibility=np.full(len(polygon_texture), len(textures), dtype=np.int64) if shown else None,
     )
 
 

@@ -12,8 +12,10 @@ import bpy
 from ..core.errors import SettingsError
 from ..core.settings import PrintSettings
 from .curves import is_print_shown, show_print
+from .seam_visibility import visibility_names
 from .soft_proof import follow_paint, follow_settings
 
+_SEARCHED = {"seam_visibility": visibility_names}
 FLOAT_DIGITS = 6
 """A FloatProperty is single precision: 0.2 comes back as 0.200000003, which six significant digits undo."""
 
@@ -40,6 +42,8 @@ def property_of(declared: Field[Any]) -> Any:
         return bpy.props.BoolProperty(**common)
     if isinstance(default, int):
         return bpy.props.IntProperty(min=int(limits["low"]), max=int(limits["high"]), **common)
+    if declared.name in _SEARCHED:
+        return bpy.props.StringProperty(search=_SEARCHED[declared.name], search_options={"SUGGESTION"}, **common)
     if isinstance(default, str):
         return bpy.props.StringProperty(subtype="FILE_PATH", **common)
     shown = {"mm": {"unit": "CAMERA"}, "%": {"subtype": "PERCENTAGE"}}.get(limits["unit"], {})

@@ -100,6 +100,11 @@ def summary(found: Analysis) -> list[str]:
             f"seams: {pattern['error_free']:.1%} free of error, {pattern['imperceptible']:.1%} imperceptible, "
             f"{pattern['salient']:.2%} salient; {pattern['discarded_probes']:,} of {pattern['probes']:,} probes "
             f"discarded ({pattern['discarded']:.1%})",
+            *(
+                [f"salient, weighted by how it is seen: {pattern['salient_seen']:.2%}"]
+                if "salient_seen" in pattern
+                else []
+            ),
             f"tracelines: {traced['tracelines']:,}, {traced['births']:,} births, {traced['deaths']:,} deaths",
         ]
     slopes, faded = report["slopes"], report["faded"]

@@ -56,7 +56,11 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
     face_object = None if model.polygon_object is None else model.polygon_object[polygon]
     face_support = None if model.polygon_support is None else model.polygon_support[polygon]
     volumes = tuple(volume.moved(shift) for volume in model.volumes)
-    return TriangleMesh(vertices, faces, face_uv, face_tone, face_texture, face_object, face_support, volumes)
+    return TriangleMesh(
+        vertices, faces, face_uv, face_tone, face_texture, face_object, face_support, volumes,
+        None if model.corner_visibility is None else model.corner_visibility[corners],
+        None if model.polygon_visibility is None else model.polygon_visibility[polygon],
+    )  # fmt: skip
 
 
 def checked(model: SurfaceModel) -> tuple[IntArray, FloatArray]:
@@ -80,9 +84,10 @@ def _check_indices(model: SurfaceModel) -> None:
     fits = start[0] == 0 and start[-1] == len(corner) and (np.diff(start) >= 0).all()
     if not fits or corner.min() < 0 or corner.max() >= len(model.vertices):
         raise MeshError(f"{model.name} has faces that use vertices it does not have", "repair or export the mesh again")
-    if len(model.polygon_texture) != len(start) - 1 or model.polygon_texture.max() >= len(model.textures):
+    textures = [table for table in (model.polygon_texture, model.polygon_visibility) if table is not None]
+    if any(len(table) != len(start) - 1 or table.max() >= len(model.textures) for table in textures):
         raise MeshError(f"{model.name} has faces that use textures it does not have", "assign the picture again")
-    if model.corner_uv is None and (model.polygon_texture >= 0).any():
+    if model.corner_uv is None and any((table >= 0).any() for table in textures):
         raise TextureError(f"{model.name} has a texture but no UV map", "unwrap the mesh first")
 
 

@@ -23,6 +23,7 @@ from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
 from .pattern.slant import slant_along
 from .pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
+from .pattern.visibility import at_arcs, seam_visibility, visibility_warnings
 from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
 from .plate import object_rows, plate_warnings
 from .progress import Progress, drained
@@ -123,13 +124,15 @@ def steps(
         lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings)
         yield stage(0.3, "sampling")
         projector = run("projector", Projector, lines, settings.projection_threshold)
-        samples = run("sampling", pattern_samples, lines, projector, settings)
+        early = run("tone", pattern_tone, lines, painting.result(), settings) if settings.hide_seams else None
+        seen = run("visibility", seam_visibility, lines, cut.layers.plane, mesh, model.textures, early, settings)
+        samples = run("sampling", pattern_samples, lines, projector, settings, seen)
         yield stage(0.4, "texture")
         pyramids = painting.result()
         fit = aside("seam errors", seam_errors, lines, samples, projector)
         paint = aside("slopes", face_contrast, mesh, pyramids, settings)
         yield stage(0.45, "tone")
-        tone = run("tone", pattern_tone, lines, pyramids, settings)
+        tone = run("tone", pattern_tone, lines, pyramids, settings) if early is None else early
         del painting, pyramids  # as large as the moves that are to come
         yield stage(0.5, "modulation")
         slant = run("slant", _slant, lines, mesh, settings.wavelength)
@@ -149,7 +152,8 @@ def steps(
         # Not beside the toolpaths, whose tables are as large as its own: memory would grow by a third.
         alone = aside("single color", single_color_seconds, outlines, inner, cut.layers, settings, within)
         yield stage(0.9, "analysis")
-        pattern = fit.result().shares(len(samples.arc))
+        errors = fit.result()
+        pattern = errors.shares(len(samples.arc), at_arcs(seen, lines, errors.arc))
         slopes = slope_report(mesh, paint.result())
         single_color = alone.result()
     thin = thin_report(run("thin features", thin_features, cut, lines, settings), cut)
@@ -165,6 +169,7 @@ def steps(
         *skirt_warnings(moves, settings),
         *slope_warnings(slopes),
         *standby_warnings(moves, seconds, settings),
+        *visibility_warnings(mesh, settings),
         *notes,
     ]
     report = _report(model, mesh, cut, moves, settings)
@@ -180,13 +185,22 @@ def steps(
     )
 
 
-def pattern_samples(lines: Contours, projector: Projector, settings: PrintSettings) -> Samples:
-    """Where the waves sit, by the scheme that is set; nowhere for `offset`."""
+def pattern_samples(
+    lines: Contours, projector: Projector, settings: PrintSettings, visibility: FloatArray | None = None
+) -> Samples:
+    """Where the waves sit, by the scheme that is set; nowhere for `offset`.
+
+    Args:
+        lines: N contour points.
+        projector: made for them.
+        settings: those of the pattern are used.
+        visibility: (N,) 0 to 1, how much a seam is seen there; None is alike everywhere.
+    """
     if settings.pattern == "offset":
         return Samples(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(len(lines.layer) + 1, dtype=np.int64))
     if settings.sampling == "paper":
         return sample(lines, projector, settings)
-    return optimized_samples(lines, projector, settings)
+    return optimized_samples(lines, projector, settings, visibility)
 
 
 def pattern_tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -> FloatArray:

@@ -46,7 +46,11 @@ def _joined(models: Sequence[SurfaceModel]) -> SurfaceModel:
     vertex = starts(np.array([len(model.vertices) for model in models]))
     corner = starts(np.array([len(model.corner_vertex) for model in models]))
     textures: list[ToneImage] = []
-    polygon_texture = [_renumbered(model, textures) for model in models]
+    number = [_renumbered(model, textures) for model in models]
+    visibility = [
+        None if model.polygon_visibility is None else of[np.maximum(model.polygon_visibility, -1)]
+        for model, of in zip(models, number, strict=True)
+    ]
     return SurfaceModel(
         vertices=np.concatenate([model.vertices for model in models]),
         polygon_start=np.concatenate(
@@ -57,37 +61,43 @@ def _joined(models: Sequence[SurfaceModel]) -> SurfaceModel:
         ),
         corner_uv=_column([model.corner_uv for model in models], corner, (2,), 0.0),
         corner_tone=_column([model.corner_tone for model in models], corner, (), np.nan),
-        polygon_texture=np.concatenate(polygon_texture),
+        polygon_texture=np.concatenate(
+            [of[np.maximum(model.polygon_texture, -1)] for model, of in zip(models, number, strict=True)]
+        ),
         textures=tuple(textures),
         name=models[0].name,
         object_names=tuple(model.name for model in models),
         polygon_object=np.repeat(np.arange(len(models)), [len(model.polygon_texture) for model in models]),
-        polygon_support=_support(models),
+        polygon_support=_polygon_column(models, [model.polygon_support for model in models], 0),
         volumes=tuple(volume for model in models for volume in model.volumes),
+        corner_visibility=_column([model.corner_visibility for model in models], corner, (), 1.0),
+        polygon_visibility=_polygon_column(models, visibility, -1),
     )
 
 
-def _support(models: Sequence[SurfaceModel]) -> IntArray | None:
-    """(P,) the marks of all models; None if no face has one."""
-    if all(model.polygon_support is None for model in models):
+def _polygon_column(models: Sequence[SurfaceModel], parts: Sequence[IntArray | None], missing: int) -> IntArray | None:
+    """(P,) a column of all models; None if none of them has it."""
+    if all(part is None for part in parts):
         return None
-    unmarked = (np.zeros(len(model.polygon_texture), dtype=np.int64) for model in models)
-    marks = [
-        none if model.polygon_support is None else model.polygon_support
-        for model, none in zip(models, unmarked, strict=True)
+    columns = [
+        np.full(len(model.polygon_texture), missing, dtype=np.int64) if part is None else part
+        for model, part in zip(models, parts, strict=True)
     ]
-    return np.concatenate(marks)
+    return np.concatenate(columns)
 
 
 def _renumbered(model: SurfaceModel, textures: list[ToneImage]) -> IntArray:
-    """(P,) the model's textures as indices into the common list, which they are added to unless they are there."""
+    """(T + 1,) index of each of the model's textures in the common list, which they are added to unless they are there.
+
+    The last entry is that of none, -1.
+    """
     number = np.full(len(model.textures) + 1, -1, dtype=np.int64)
     for index, image in enumerate(model.textures):
         known = [other is image for other in textures]
         number[index] = known.index(True) if any(known) else len(textures)
         if not any(known):
             textures.append(image)
-    return np.asarray(number[np.maximum(model.polygon_texture, -1)])
+    return number
 
 
 def _column(

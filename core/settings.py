@@ -81,6 +81,20 @@ class PrintSettings:
     chord_tolerance: float = setting(
         0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
     )
+    front: bool = setting(
+        False, "Put the waves' seams on the side away from the front, as far as that goes", group="pattern"
+    )
+    front_angle: float = setting(
+        0.0, "Direction of the front about the vertical axis: 0 is -Y, 90 is +X", "°", -180.0, 360.0, group="pattern"
+    )
+    seam_visibility: str = setting(
+        "",
+        "Vertex group, image or image file that says where seams are seen: 1 or white in full, 0 or black not at all",
+        group="pattern",
+    )
+    hide_seams: bool = setting(
+        False, "Put seams into creases and where the picture is black, white or nearly so", group="pattern"
+    )
     solid_regions: str = setting(
         "none",
         "Large painted regions of pure black or white: like all tones, the other color's line hidden behind, or left "

@@ -76,6 +76,7 @@ def analysis_figures(report: dict[str, Any]) -> list[tuple[str, str]]:
             ("Free of Error", f"{pattern['error_free']:.1%}"),
             ("Imperceptible", f"{pattern['imperceptible']:.1%}"),
             ("Salient", f"{pattern['salient']:.2%}"),
+            *([("Salient, Seen", f"{pattern['salient_seen']:.2%}")] if "salient_seen" in pattern else []),
             ("Not Compared", f"{pattern['discarded_probes']:,} of {pattern['probes']:,}"),
             ("Tracelines", f"{traced['tracelines']:,}"),
             ("Births, Deaths", f"{traced['births']:,}, {traced['deaths']:,}"),

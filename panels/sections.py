@@ -31,7 +31,8 @@ PRINT = Section(
     "Print",
     ("layer_height", "extrusion_width", "perimeters", "infill_density", "bottom_solid_layers", "top_solid_layers"),
 )
-STAGES = (PAINT, PATTERN, PRINT)
+CALIBRATE = Section("calibrate", "Calibrate", ("calibration", "calibration_file", "gamut_mapping"))
+STAGES = (PAINT, PATTERN, PRINT, CALIBRATE)
 
 PREPARE_ADVANCED = Section(
     "placing",
@@ -42,7 +43,7 @@ PREPARE_ADVANCED = Section(
 PAINT_ADVANCED = Section(
     "texture",
     "Advanced",
-    ("texture_filter", "calibration", "calibration_file", "gamut_mapping"),
+    ("texture_filter",),
     stage="paint",
 )
 PATTERN_ADVANCED = Section(
@@ -53,6 +54,10 @@ PATTERN_ADVANCED = Section(
         "max_unsupported",
         "flat_layers",
         "sampling",
+        "front",
+        "front_angle",
+        "seam_visibility",
+        "hide_seams",
         "projection_threshold",
         "relaxation",
         "chord_tolerance",

@@ -31,7 +31,8 @@ CHANGES = [
     {}, {"wave_depth_max": 0.6}, {"wavelength": 1.5}, {"background_tone": 0.2}, {"infill_density": 25.0},
     {"layer_height": 0.2}, {"support_enable": True}, {"outer_wall_speed": 25.0}, {"pattern": "wave"},
     {"sampling": "paper"}, {"extrusion_width": 0.5}, {"perimeters": 3}, {"calibration": "upright"},
-    {"texture_filter": "lanczos"}, {},
+    {"texture_filter": "lanczos"}, {}, {"front": True},
+    {"front_angle": 90.0}, {"hide_seams": True}, {"solid_regions": "tool_change", "solid_region_tolerance": 0.4}, {},
 ]  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from ..pattern.modulation import layer_is_black, shape, supported
 from ..pattern.quality import SeamErrors, seam_errors
 from ..pattern.sampling import Projector, Samples
 from ..pattern.slant import slant_along
+from ..pattern.visibility import at_arcs, seam_visibility, visibility_warnings
 from ..pattern.wave import average_along_wall, modulated
 from ..pipeline import pattern_samples, pattern_tone
 from ..progress import Progress, drained
@@ -96,7 +97,9 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
     lines = contours(cut.outlines, cut.loop_polygon, settings)
     projector = Projector(lines, settings.projection_threshold)
     yield 0.5, "sampling"
-    samples = pattern_samples(lines, projector, settings)
+    tone = pattern_tone(lines, pyramids, settings)
+    seen = seam_visibility(lines, cut.layers.plane, mesh, model.textures, tone, settings)
+    samples = pattern_samples(lines, projector, settings, seen)
     yield 0.8, "seam errors"
     waves = settings.pattern != "offset"
     errors = seam_errors(lines, samples, projector) if waves else None
@@ -104,7 +107,7 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
     too_short = (np.diff(samples.start) == 0) & waves
     yield 0.9, "room"
     slant = average_along_wall(slant_along(lines, mesh), lines, settings.wavelength)
-    tone, _ = calibrated(pattern_tone(lines, pyramids, settings), slant, settings)
+    tone, _ = calibrated(tone, slant, settings)
     faded = faded_share(lines, tone, slant, settings)
     slopes = slope_report(mesh, paint)
     report: dict[str, Any] = {
@@ -112,14 +115,14 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
         "layers": len(cut.layers),
         "bounds_mm": mesh.bounds.tolist(),
         "settings": settings.as_dict(),
-        "pattern": errors.shares(len(samples.arc)) if errors else None,
+        "pattern": errors.shares(len(samples.arc), at_arcs(seen, lines, errors.arc)) if errors else None,
         "tracelines": traced.report() if traced else None,
         "faded": _faded_report(lines, faded),
         "too_short": {"outlines": int(too_short.sum()), "of": len(lines.layer)},
         "slopes": slopes,
         "orientations": [one.as_dict() for one in ranked],
     }
-    warnings = ([] if waves else [NO_SEAMS]) + slope_warnings(slopes)
+    warnings = [*([] if waves else [NO_SEAMS]), *slope_warnings(slopes), *visibility_warnings(mesh, settings)]
     report["warnings"] = warnings
     return Analysis(
         settings, mesh, cut.layers, lines, samples, errors, traced, faded, too_short, paint, ranked, report,

@@ -35,11 +35,22 @@ class SeamErrors:
         """(Q,) probes with nothing above them within the projection threshold."""
         return np.isnan(self.error)
 
-    def shares(self, samples: int) -> dict[str, Any]:
-        """The report's figures: shares of the probes that were not discarded, and the discarded share of all."""
+    def shares(self, samples: int, visibility: FloatArray | None = None) -> dict[str, Any]:
+        """The report's figures: shares of the probes that were not discarded, and the discarded share of all.
+
+        Args:
+            samples: how many the pattern has.
+            visibility: (Q,) 0 to 1, how much a seam is seen at each probe; then `salient_seen` is the salient share
+                weighted by it, and `visibility` the mean weight.
+        """
         kept = self.error[~self.discarded]
         total = max(len(kept), 1)
         error_free, salient = int((kept < ERROR_FREE).sum()), int((kept >= SALIENT).sum())
+        seen: dict[str, float] = {}
+        if visibility is not None:
+            weight = visibility[~self.discarded]
+            seen["salient_seen"] = float(weight[kept >= SALIENT].sum() / max(weight.sum(), 1e-12))
+            seen["visibility"] = float(weight.mean()) if len(weight) else 0.0
         return {
             "samples": samples,
             "error_free": error_free / total,
@@ -50,6 +61,7 @@ class SeamErrors:
             "discarded_probes": int(self.discarded.sum()),
             "mean_error": float(kept.mean()) if len(kept) else 0.0,
             "histogram": {"edges": list(HISTOGRAM_EDGES), "counts": np.histogram(kept, HISTOGRAM_EDGES)[0].tolist()},
+            **seen,
         }
 
 

@@ -1,0 +1,125 @@
+"""How much a seam would be seen at each place, for the sampling to keep seams where nobody looks, and for the report.
+
+Three things may say so, and their answers are multiplied: the side of the object that is its `front`, a painted
+`seam_visibility`, and with `hide_seams` the picture and the shape: strands of one colour show no pattern that could be
+broken, and what lies in a crease is hardly seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..model import FloatArray, ToneImage, TriangleMesh
+from ..settings import PrintSettings
+from ..texture.lookup import tone_at
+from ..texture.pyramid import build_pyramids
+from .contours import NARROW_GAP, Contours
+
+# Of a seam so much is still seen where all is of one colour, and in the deepest crease.
+HIDDEN = 0.2
+# With so much air before it a wall is in no crease.
+OPEN_AIR_MM = 1.0
+
+
+def uses_visibility(mesh: TriangleMesh, settings: PrintSettings) -> bool:
+    """Whether anything says where seams are seen, and there are waves that could have any."""
+    painted = mesh.face_visibility is not None or mesh.face_visibility_texture is not None
+    return settings.pattern != "offset" and (settings.front or settings.hide_seams or painted)
+
+
+def seam_visibility(
+    lines: Contours,
+    plane: FloatArray,
+    mesh: TriangleMesh,
+    textures: tuple[ToneImage, ...],
+    tone: FloatArray | None,
+    settings: PrintSettings,
+) -> FloatArray | None:
+    """(N,) 0 to 1, how much a seam is seen at each contour point; None where all are seen alike.
+
+    Args:
+        lines: N contour points.
+        plane: (L,) mm, height at which each layer was cut.
+        mesh: that was sliced.
+        textures: of the mesh.
+        tone: (N,) asked for, needed by `hide_seams`.
+        settings: front, front_angle and hide_seams are used.
+    """
+    if not uses_visibility(mesh, settings):
+        return None
+    seen = painted_visibility(lines, plane, mesh, textures, settings)
+    if settings.front:
+        seen = seen * front_visibility(lines.normal, settings.front_angle)
+    if settings.hide_seams and tone is not None:
+        seen = seen * tone_visibility(tone) * crease_visibility(lines, settings)
+    return np.asarray(seen)
+
+
+def front_visibility(normal: FloatArray, front_deg: float) -> FloatArray:
+    """(N,) how large each piece of wall looks from the front, against its size: 1 where it faces it, 0 where it cannot.
+
+    Args:
+        normal: (N, 2) unit vectors.
+        front_deg: direction of the front about the vertical axis: 0 is -Y, 90 is +X.
+    """
+    turn = np.radians(front_deg)
+    return np.asarray(np.clip(normal @ [np.sin(turn), -np.cos(turn)], 0.0, 1.0))
+
+
+def tone_visibility(tone: FloatArray) -> FloatArray:
+    """(N,) how much a tone shows of the rarer colour's strands: all at mid-grey, little near black and white."""
+    return np.asarray(np.maximum(2 * np.minimum(tone, 1 - tone), HIDDEN))
+
+
+def crease_visibility(lines: Contours, settings: PrintSettings) -> FloatArray:
+    """(N,) less where the line has less room outwards: another wall is near, or the crease's own other side."""
+    # Half of how far air is looked for, less what is kept clear of it.
+    open_air = settings.extrusion_width + settings.wave_depth_max / 2 + settings.offset_max - 2 * NARROW_GAP
+    return np.asarray(np.clip(lines.room_outside / min(open_air, OPEN_AIR_MM), HIDDEN, 1.0))
+
+
+def painted_visibility(
+    lines: Contours, plane: FloatArray, mesh: TriangleMesh, textures: tuple[ToneImage, ...], settings: PrintSettings
+) -> FloatArray:
+    """(N,) what is painted: from a picture where a face has one, else from the values at its corners, else 1."""
+    own = np.ones(len(lines.arc))
+    if mesh.face_visibility is not None:
+        own = _between_corners(mesh, mesh.face_visibility, lines, plane)
+    if mesh.face_visibility_texture is None:
+        return own
+    pictured = replace(mesh, face_texture=mesh.face_visibility_texture)
+    pyramids = build_pyramids(pictured, textures, 2 * settings.layer_height, "trilinear")
+    return tone_at(pyramids, lines.face, lines.carried[:, :2], own, 1.0)
+
+
+def _between_corners(mesh: TriangleMesh, values: FloatArray, lines: Contours, plane: FloatArray) -> FloatArray:
+    """(N,) values (F, 3) at the corners of the faces, where the contours come nearest to them."""
+    height = plane[lines.layer[lines.loop]]
+    a, b, c = mesh.vertices[mesh.faces[lines.face]].transpose(1, 0, 2)
+    u, v, w = b - a, c - a, np.column_stack([lines.points, height]) - a
+    uu, uv, vv, uw, vw = (np.einsum("ij,ij->i", one, other) for one, other in ((u, u), (u, v), (v, v), (u, w), (v, w)))
+    area = np.maximum(uu * vv - uv * uv, 1e-30)
+    second, third = np.clip([(vv * uw - uv * vw) / area, (uu * vw - uv * uw) / area], 0.0, 1.0)
+    over = np.maximum(second + third, 1.0)
+    second, third = second / over, third / over
+    corner = values[lines.face]
+    mixed = corner[:, 0] * (1 - second - third) + corner[:, 1] * second + corner[:, 2] * third
+    return np.asarray(np.clip(mixed, 0.0, 1.0))
+
+
+def at_arcs(visibility: FloatArray | None, lines: Contours, arc: FloatArray) -> FloatArray | None:
+    """(Q,) the visibility at places on the contours; None if there is none."""
+    return None if visibility is None else visibility[lines.locate(arc)[0]]
+
+
+def visibility_warnings(mesh: TriangleMesh, settings: PrintSettings) -> list[str]:
+    """Says when it is told for nothing where seams are seen."""
+    if settings.pattern == "offset" and (settings.front or settings.hide_seams or settings.seam_visibility):
+        return [
+            "the pattern offset has no waves and no seams to hide: front, seam_visibility and hide_seams do nothing"
+        ]
+    if settings.sampling == "paper" and uses_visibility(mesh, settings):
+        return ["sampling = paper puts seams anywhere: choose optimized to have them where they are not seen"]
+    return []
