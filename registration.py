@@ -8,6 +8,8 @@ from . import cli
 from .bridge import properties, results, scrubber, soft_proof
 from .operators import add
 from .operators.analyse import OPERATORS as ANALYSE_OPERATORS
+from .operators.calibrate import OPERATORS as CALIBRATE_OPERATORS
+from .operators.calibrate import draw_image_entry
 from .operators.check_model import OPERATORS as CHECK_OPERATORS
 from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
@@ -35,6 +37,7 @@ CLASSES = (
     DUALCOLOR_OT_select_support,
     *PRESET_OPERATORS,
     *MENUS,
+    *CALIBRATE_OPERATORS,
     *add.CLASSES,
     DUALCOLOR_OT_scale_to_height,
     *CHECK_OPERATORS,
@@ -59,6 +62,7 @@ def register() -> None:
     bpy.types.TOPBAR_MT_file_export.append(_draw_export_entry)
     bpy.types.TOPBAR_MT_file_import.append(_draw_import_entry)
     bpy.types.VIEW3D_MT_add.append(add.draw_add_entry)
+    bpy.types.IMAGE_MT_image.append(draw_image_entry)
     cli.register_command()
 
 
@@ -68,6 +72,7 @@ def unregister() -> None:
     cli.unregister_command()
     bed.unregister()
     scrubber_panel.unregister()
+    bpy.types.IMAGE_MT_image.remove(draw_image_entry)
     bpy.types.VIEW3D_MT_add.remove(add.draw_add_entry)
     bpy.types.TOPBAR_MT_file_import.remove(_draw_import_entry)
     bpy.types.TOPBAR_MT_file_export.remove(_draw_export_entry)

@@ -14,6 +14,7 @@ from ..bridge.picture_objects import add_picture_object
 from ..core.errors import PrintError
 from ..core.picture_shapes import PictureShape, fitted, picture_plate, picture_tube
 from ..core.settings import PrintSettings
+from .calibrate import DUALCOLOR_OT_add_calibration_tile
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr", ".tga", ".webp")
 PLATE_BRIM_MM = 5.0  # a thin plate that stands upright needs a foot
@@ -192,6 +193,8 @@ class DUALCOLOR_MT_add(bpy.types.Menu):
         """One entry a shape."""
         for added, icon in _ENTRIES:
             self.layout.operator(added.bl_idname, icon=icon)
+        self.layout.separator()
+        self.layout.operator(DUALCOLOR_OT_add_calibration_tile.bl_idname, icon="MESH_GRID")
 
 
 _ENTRIES = (

@@ -10,6 +10,7 @@ from ..bridge.curves import source_of
 from ..bridge.mesh_input import WITH_SURFACE
 from ..bridge.plate import objects_to_print
 from .analysis import PANELS as ANALYSIS_PANELS
+from .calibrate import DUALCOLOR_PT_calibrate
 from .paint import DUALCOLOR_PT_paint
 from .predict import DUALCOLOR_PT_predict
 from .prepare import DUALCOLOR_PT_prepare
@@ -89,6 +90,7 @@ PANELS = (
     *PRINT_PANELS,
     DUALCOLOR_PT_predict,
     DUALCOLOR_PT_scrubber,
+    DUALCOLOR_PT_calibrate,
     *(_folded_panel(section, order) for order, section in enumerate(FOLDED, start=1)),
 )
 """Those inside others after them."""

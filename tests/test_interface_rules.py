@@ -80,4 +80,4 @@ def test_every_panel_is_in_the_tab_and_its_parent_comes_first(classes):
         seen.add(panel.__name__)
     tops = [panel for panel in panels if not getattr(panel, "bl_parent_id", "")]
     stages = [panel.bl_label for panel in sorted(tops, key=lambda panel: panel.bl_order)]
-    assert stages[:6] == ["Dual Color", "Prepare", "Paint", "Pattern", "Print", "Predict"]
+    assert stages == ["Dual Color", "Prepare", "Paint", "Pattern", "Print", "Predict", "Calibrate"]

@@ -17,11 +17,11 @@ from ..settings import PrintSettings
 from ..viewing import blurred
 from .homography import is_clockwise, projected, square_to
 from .photograph import Photograph
-from .step_wedge import MARKS, patches, quarter_tones
+from .step_wedge import MARKS, patch_tones, patches, quarter_tones
 
 _LONG_SIDE = 900  # pixels in which marks are looked for
 _SIGMAS = (2.5, 4.0, 6.5, 10.0)  # of these pixels
-_CANDIDATES = 18
+_CANDIDATES = 16
 _DARKEST = 3e-3  # linear; an eight-bit picture knows nothing of what is below
 _LEAST_SIMILAR = 0.8
 _LEAST_SHARE = 0.01  # of the picture that the wedge fills
@@ -93,9 +93,7 @@ def similarity(light: FloatArray, quads: FloatArray) -> FloatArray:
         light: (H, W) logarithm of it, without what is finer than the marks' squares.
         quads: (K, 4, 2) pixels, in the order of `MARKS`.
     """
-    tone = quarter_tones()
-    row, column = np.indices(tone.shape)
-    places = np.stack([(column.ravel() + 0.5) / 2, (row.ravel() + 0.5) / 2], axis=1)
+    places, tone = _samples()
     pixel = np.rint(projected(square_to(quads), (places - MARKS[0]) / (MARKS[2] - MARKS[0])))
     high, wide = light.shape
     inside = ((pixel >= 0) & (pixel < (wide, high))).all(axis=(1, 2))
@@ -104,9 +102,19 @@ def similarity(light: FloatArray, quads: FloatArray) -> FloatArray:
     x, y = (places - places.mean(axis=0)).T
     uneven, _ = np.linalg.qr(np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1))
     seen = seen - (seen @ uneven) @ uneven.T
-    wanted = tone.ravel() - uneven @ (uneven.T @ tone.ravel())
+    wanted = tone - uneven @ (uneven.T @ tone)
     length = np.linalg.norm(seen, axis=1) * np.linalg.norm(wanted)
     return np.where(inside & (length > 1e-9), seen @ wanted / np.maximum(length, 1e-9), -1.0)
+
+
+def _samples() -> tuple[FloatArray, FloatArray]:
+    """(P, 2) the middles of all patches and of the marks' squares, as in `MARKS`, and (P,) their tones."""
+    tone = patch_tones()
+    row, column = np.nonzero(~np.isnan(tone))
+    squares = (MARKS[:, None] + np.array([(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)])).reshape(-1, 2)
+    across, down = np.floor(2 * squares).astype(np.int64).T
+    places = np.concatenate([np.stack([column + 0.5, row + 0.5], axis=1), squares])
+    return places, np.concatenate([tone[row, column], quarter_tones()[down, across]])
 
 
 def refined(photo: Photograph, marks: FloatArray, settings: PrintSettings, search: float = 0.0) -> FloatArray:
