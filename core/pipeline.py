@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from shapely import Geometry
 
 from .analysis.slopes import face_contrast, slope_report, slope_warnings
 from .breakdown import filament_report, single_color_seconds, swap_cost, time_report
@@ -30,7 +31,7 @@ from .progress import Progress, drained
 from .report import StageClock, peak_rss_mb
 from .settings import PrintSettings
 from .slicing.open_layers import open_warnings
-from .slicing.planes import line_widths
+from .slicing.planes import Layers, line_widths
 from .slicing.slices import Slices, slices
 from .stage_cache import NoCache, StageCache
 from .statistics import layer_begins, move_seconds
@@ -44,11 +45,13 @@ from .toolpaths.order import ordered
 from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
 from .toolpaths.raft import lifted, raised
 from .toolpaths.skirt import skirt_warnings
-from .toolpaths.surroundings import ground, surrounding_paths
+from .toolpaths.surroundings import ground, shadow, surrounding_paths
 from .toolpaths.travels import Rooms, rooms
 
 # Outlines behind the wave may differ from the true ones by this much, mm.
 FILL_TOLERANCE = 0.02
+# Up to so many points of outlines the same object in a single colour is worked out beside the toolpaths.
+MOST_POINTS_TWICE = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -140,26 +143,32 @@ def steps(
         depth, set_back = run("modulation", modulated, lines, printed, slant, settings)
         depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
         outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings, swapped)
-        yield stage(0.6, "fill")
+        yield stage(0.6, "supports")
+        holding = run("supports", supports, mesh, cut, lines, depth, settings)
+        shade = aside("shadow", _shadow, cut, holding, settings)
+        weak = aside("thin features", thin_features, cut, lines, settings)
+        yield stage(0.65, "fill")
         inside = run("inside", inside_of_wall, lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
         fill = run("fill", fill_paths, cut.regions, inside, cut.polygon_layer, settings)
-        yield stage(0.7, "supports")
-        holding = run("supports", supports, mesh, cut, lines, depth, settings)
         inner = run("inner", _joined, fill, holding.paths)
-        yield stage(0.75, "toolpaths")
         within = run("rooms", rooms, inside, cut.polygon_layer, cut.regions)
-        moves = run("toolpaths", _moves, outlines, fill, holding, cut, within, settings)
-        # Not beside the toolpaths, whose tables are as large as its own: memory would grow by a third.
-        alone = aside("single color", single_color_seconds, outlines, inner, cut.layers, settings, within)
+        yield stage(0.75, "toolpaths")
+        plain = single_color_seconds, outlines, inner, cut.layers, settings, within
+        # Beside the toolpaths of a large print it would take a third more memory: its tables are as large as theirs.
+        alone = aside("single color", *plain) if len(outlines.points) < MOST_POINTS_TWICE else None
+        wall = outer_wall_paths(outlines)
+        around = run("surroundings", _surroundings, shade.result(), cut, holding, wall, settings)
+        moves = run("toolpaths", _moves, wall, inner, around, cut.layers, within, settings)
+        alone = alone or aside("single color", *plain)
         yield stage(0.9, "analysis")
         errors = fit.result()
         pattern = errors.shares(len(samples.arc), at_arcs(seen, lines, errors.arc))
         slopes = slope_report(mesh, paint.result())
         single_color = alone.result()
-    thin = thin_report(run("thin features", thin_features, cut, lines, settings), cut)
+    thin = thin_report(weak.result(), cut)
     seconds = run("time", _seconds, moves, settings)
     if outlines.swapped is not None:
-        alike = _moves(replace(outlines, swapped=None), fill, holding, cut, within, settings)
+        alike = _moves(outer_wall_paths(replace(outlines, swapped=None)), inner, around, cut.layers, within, settings)
         solid["solid_regions"] |= swap_cost(moves, seconds, alike, settings)
     warnings = [
         *plate_warnings(model, mesh, cut.overlaps, settings),
@@ -244,15 +253,18 @@ def _seconds(moves: Moves, settings: PrintSettings) -> FloatArray:
     return move_seconds(moves, settings.printer_profile)
 
 
-def _moves(
-    outlines: WavedOutlines, fill: Paths, holding: Supports, cut: Slices, within: Rooms, settings: PrintSettings
-) -> Moves:
-    wall = outer_wall_paths(outlines)
-    covered = with_supports(cut.regions, holding.areas, settings)
-    layers = raised(cut.layers, settings)
-    around = surrounding_paths(ground(covered, wall, settings), layers, settings)
-    part = lifted(Paths.joined([wall, fill, holding.paths]), settings)
-    moves = assemble(ordered(Paths.joined([part, around]), settings), layers, settings, within)
+def _shadow(cut: Slices, holding: Supports, settings: PrintSettings) -> Geometry:
+    return shadow(with_supports(cut.regions, holding.areas, settings), settings)
+
+
+def _surroundings(shade: Geometry, cut: Slices, holding: Supports, wall: Paths, settings: PrintSettings) -> Paths:
+    first = with_supports(cut.regions[:1], holding.areas[:1], settings)
+    return surrounding_paths(ground(shade, first, wall, settings), raised(cut.layers, settings), settings)
+
+
+def _moves(wall: Paths, inner: Paths, around: Paths, layers: Layers, within: Rooms, settings: PrintSettings) -> Moves:
+    part = lifted(Paths.joined([wall, inner]), settings)
+    moves = assemble(ordered(Paths.joined([part, around]), settings), raised(layers, settings), settings, within)
     check(moves, settings)
     return moves
 

@@ -124,6 +124,8 @@ def _same(first: Any, second: Any) -> bool:
         return len(first) == len(second) and all(_same(a, b) for a, b in zip(first, second, strict=True))
     if is_dataclass(first):
         return all(_same(getattr(first, each.name), getattr(second, each.name)) for each in fields(first))
+    if isinstance(first, shapely.Geometry):
+        return bool(shapely.equals_identical(first, second))
     return isinstance(first, (str, int, float, bool)) and bool(first == second)
 
 

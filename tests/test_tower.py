@@ -16,7 +16,7 @@ from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.placement import placed, turned
 from dualcolor.core.toolpaths.shield import shield_paths
 from dualcolor.core.toolpaths.skirt import skirt_paths
-from dualcolor.core.toolpaths.surroundings import Ground, ground, surrounding_paths, tower_where_free
+from dualcolor.core.toolpaths.surroundings import Ground, ground, shadow, surrounding_paths, tower_where_free
 from dualcolor.core.toolpaths.tower import tower_brim, tower_loops, tower_paths
 from dualcolor.tests.solids import box
 
@@ -281,7 +281,7 @@ def test_nothing_crosses_anything_on_the_first_layer(shield, brim, placement):
     settings = SETTINGS.changed(wanted)
     walls = Paths.joined([circle(12, 0), circle(16, 1), circle(9, 2)])
     regions = np.array([shapely.Point(0, 0).buffer(radius + 0.2) for radius in (12, 16, 9)], dtype=object)
-    on_bed = ground(regions, walls, settings)
+    on_bed = ground(shadow(regions, settings), regions, walls, settings)
     assert on_bed.first.covers(shapely.LineString(walls.points[:200]))
     assert shapely.Polygon(on_bed.shadow.exterior).covers(shapely.MultiPoint(walls.points))
     paths = surrounding_paths(on_bed, stack(3), settings)

@@ -21,6 +21,7 @@ from .skirt import skirt_paths
 from .tower import tower_brim, tower_loops, tower_paths
 
 _SHADOW_TOLERANCE_MM = 0.2
+_LARGEST = 16  # shapes that cover most of the others
 
 
 @dataclass(frozen=True)
@@ -36,27 +37,42 @@ class Ground:
     first: shapely.Geometry
 
 
-def ground(regions: NDArray[np.object_], walls: Paths, settings: PrintSettings) -> Ground:
-    """Look at the object and its supports from above.
+def shadow(regions: NDArray[np.object_], settings: PrintSettings) -> shapely.Geometry:
+    """What any layers of object and supports cover, holes filled, with the waves that may stand out.
 
     Args:
-        regions: (R,) Polygons or MultiPolygons, cross-sections of any layers of object and supports; those of the
-            first layer must be there, in the walls or in `regions[0]`.
-        walls: the waved outlines of all layers.
-        settings: wave_depth_max and the extrusion widths are used.
+        regions: (R,) Polygons or MultiPolygons, cross-sections.
+        settings: wave_depth_max is used.
     """
     rings = exterior_rings(shapely.simplify(regions, _SHADOW_TOLERANCE_MM, preserve_topology=False))
     # Waves stand out by half their depth, and simplifying may have cut off as much as its tolerance.
     margin = settings.wave_depth_max / 2 + _SHADOW_TOLERANCE_MM
-    shadow = shapely.union_all(shapely.buffer(shapely.polygons(rings), margin, quad_segs=2))
-    shadow = shapely.union_all(shapely.polygons(exterior_rings(np.array([shadow]))))
+    grown = shapely.buffer(shapely.polygons(rings), margin, quad_segs=2)
+    largest = np.argsort(-shapely.area(grown), kind="stable")
+    covered = shapely.union_all(grown[largest[:_LARGEST]])
+    shapely.prepare(covered)
+    # Most layers lie within the largest ones, which is told a hundred times faster than they are united.
+    rest = grown[largest[_LARGEST:]]
+    covered = shapely.union_all([covered, *rest[~shapely.contains_properly(covered, rest)]])
+    return shapely.union_all(shapely.polygons(exterior_rings(np.array([covered]))))
+
+
+def ground(shade: shapely.Geometry, regions: NDArray[np.object_], walls: Paths, settings: PrintSettings) -> Ground:
+    """Look at the object and its supports from above.
+
+    Args:
+        shade: their `shadow`.
+        regions: (R,) Polygons or MultiPolygons, the first of which is what of the first layer is not in the walls.
+        walls: the waved outlines, of the first layer at least.
+        settings: the extrusion widths and the raft are used.
+    """
     width = float(line_widths(np.zeros(1, dtype=np.int64), settings)[0])
     strips = shapely.buffer(_closed_lines(walls, np.flatnonzero(walls.layer == 0)), width / 2)
     first = shapely.union_all([*regions[:1], *strips])
     if settings.raft_layers:
         first = raft_area(first, settings)
-        shadow = shapely.union(shadow, first)
-    return Ground(shadow, first)
+        shade = shapely.union(shade, first)
+    return Ground(shade, first)
 
 
 def _closed_lines(paths: Paths, chosen: IntArray) -> NDArray[np.object_]:

@@ -89,7 +89,9 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
     path = np.flatnonzero(far & (paths.island[1:] == paths.island[:-1]) & (paths.island[1:] >= 0)) + 1
     if not len(path):
         return plain
-    room = within.inside[paths.island[path]]
+    # Copies, for a shape that is prepared must not be shared with another thread.
+    used, number = np.unique(paths.island[path], return_inverse=True)
+    room, above = (shapely.force_2d(shapes[used])[number] for shapes in (within.inside, within.above))
     lines = shapely.linestrings(np.stack([end[path - 1], begin[path]], axis=1))
     reach = _wall_depth(settings)
     crosses = _leaves(lines, room, reach)
@@ -101,7 +103,7 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
         crosses[chosen[good]] = False
     hidden = plain.hidden.copy()
     if settings.only_retract_when_crossing_perimeters:
-        hidden[path] = ~crosses & _covers(within.above[paths.island[path]], lines)
+        hidden[path] = ~crosses & _covers(above, lines)
     points, line = shapely.get_coordinates(lines, return_index=True)
     between = np.ones(len(points), dtype=bool)
     ends = starts(np.bincount(line, minlength=len(lines)))
