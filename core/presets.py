@@ -12,6 +12,7 @@ from typing import Any
 
 from .errors import OutputError, SettingsError
 from .files import MOST_JSON_BYTES, read_json, write_file
+from .gcode.texts import read_back
 from .settings import PrintSettings
 
 PRESETS = Path(__file__).resolve().parent.parent / "presets"
@@ -182,7 +183,7 @@ def _header_values(path: Path) -> dict[str, Any]:
             break
         name, equals, value = line.lstrip("; ").partition("=")
         if equals and name.strip() in known:
-            values[name.strip()] = value.strip()
+            values[name.strip()] = read_back(value.strip())
     if not values:
         raise SettingsError(f"{path} has no settings in its header", "only files written by this program have them")
     return values

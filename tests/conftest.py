@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
@@ -12,6 +13,15 @@ from launcher import load_package  # noqa: E402
 load_package()
 sys.path.insert(0, str(ROOT / "tests"))
 DATA = ROOT.parent / "shared" / "data"
+# The same examples everywhere and every time; `pytest --hypothesis-profile=search` looks for others.
+KIND = {
+    "deadline": None,
+    "database": None,
+    "suppress_health_check": [HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+}
+settings.register_profile("repeatable", derandomize=True, **KIND)
+settings.register_profile("search", derandomize=False, **KIND)
+settings.load_profile("repeatable")
 
 
 @pytest.fixture(scope="session")

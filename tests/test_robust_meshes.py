@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core.errors import MeshError, PrintError
+from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
@@ -138,21 +138,6 @@ def test_nasty_files(data, name):
         found = agreement(result.mesh, result.slices, 2000)
         assert is_kind({"points": vars(found)})
         assert len(result.slices.open_layers) == 0 or any("do not close" in text for text in result.warnings)
-
-
-def test_only_refusals_come_out_of_random_soups():
-    random = np.random.default_rng(4)
-    for _ in range(15):
-        count = int(random.integers(4, 30))
-        points = random.uniform(-8, 8, (count, 3)) * random.choice([1, 1, 1e-9], (1, 3))
-        points = np.round(points, int(random.integers(0, 4)))
-        faces = random.integers(0, count, (int(random.integers(1, 60)), 3))
-        try:
-            found = generate(surface(points, faces), SETTINGS)
-        except PrintError as problem:
-            assert problem.message
-        else:
-            assert np.isfinite(found.moves.position).all()
 
 
 @pytest.mark.parametrize("most", [1, 500, 3000])

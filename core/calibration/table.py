@@ -137,7 +137,7 @@ def _is_sound(table: ToneTable) -> bool:
         min(shape) > 0
         and shape[1] > 1
         and table.reflectance.shape == table.noise.shape == shape
-        and np.isfinite(table.reflectance).all()
+        and all(np.isfinite(values).all() for values in (table.tone, table.slant_deg, table.reflectance))
         and {"Black", "White"} <= set(table.about.reflectance)
         and (np.diff(table.tone) > 0).all()
         and (np.diff(table.slant_deg) > 0).all()

@@ -12,6 +12,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Moves
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
+from .texts import read_back
 from .words import LETTERS, Words, read_words
 
 _STEPS = (0.001, 0.00001)  # mm, of positions and filament in the file
@@ -89,7 +90,7 @@ def read_gcode(data: bytes, name: str) -> ReadPrint:
 def _header(comments: list[tuple[int, str]]) -> tuple[PrintSettings, str]:
     """The settings and the object's name that comments "name = value" give."""
     given = dict(text.split(" = ", 1) for _, text in comments if " = " in text)
-    known = {name: given[name].strip() for name in PrintSettings.__dataclass_fields__ if name in given}
+    known = {name: read_back(given[name].strip()) for name in PrintSettings.__dataclass_fields__ if name in given}
     try:
         return PrintSettings().changed(known), given.get("object", "")
     except SettingsError:  # a slicer that uses one of our names for something else

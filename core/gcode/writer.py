@@ -12,6 +12,7 @@ from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 from .numbers import WordArray, coordinate_words, feedrate_words, filament_words, word
 from .program import WIDTH_STEP, Lines, Program, program
+from .texts import written
 
 _CHUNK_ROWS = 1 << 15  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900
@@ -96,7 +97,7 @@ def _rendered(lines: Lines, axes: WordArray, newline: WordArray, rows: slice) ->
 
 
 def _header_lines(settings: PrintSettings, header: list[str]) -> list[str]:
-    values = [f"{name} = {value}" for name, value in settings.as_dict().items()]
+    values = [f"{name} = {written(str(value))}" for name, value in settings.as_dict().items()]
     printer = settings.printer_profile
     for_gpx = [] if printer.marlin else [f";@machine {printer.gpx_machine}", ";@flavor makerbot"]
     return [*for_gpx, *(_comment(text) for text in [*header, *values])]
