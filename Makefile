@@ -1,11 +1,13 @@
 # make demo: the sample from nothing to G-code and pictures, in out/
 # make test: all checks and tests
 # make test-gui: in the window of the Blender that BLENDER names, by mouse and keys (Xvfb, xdotool, ImageMagick)
+# make test-blender: what touches Blender, inside the Blender that BLENDER names (its Python needs pytest, hypothesis, …)
+# make test-bpy: the same with another version of Blender's module, BPY=4.5.15 for example
 # make package: the extension for Blender, in dist/
 # make fuzz: damaged files for all readers, SECONDS each
 # make benchmark: against a single-colour slicer, where one is installed
 .DELETE_ON_ERROR:
-.PHONY: demo test test-gui package benchmark fuzz environment lint clean
+.PHONY: demo test test-gui test-blender test-bpy package benchmark fuzz environment lint clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -19,6 +21,26 @@ test: $(VENV)/.dev lint
 
 test-gui: $(VENV)/.dev
 	$(BIN)/python -m pytest tests/gui -rs
+
+# Python 3.11 is what Blender 4.5 and 5.0 come with, 3.13 the later ones.
+BPY := 4.5.15
+BPY_VENV := $(VENV)-bpy-$(BPY)
+BPY_PYTHON := $(if $(filter 4.% 5.0.%,$(BPY)),3.11,3.13)
+
+test-blender:
+	$(or $(BLENDER),blender) -b --factory-startup --python-exit-code 1 --python tests/run_in_blender.py
+
+test-bpy: $(BPY_VENV)/.dev
+	$(BPY_VENV)/bin/python tests/run_in_blender.py
+
+$(BPY_VENV)/.dev:
+	python=$$(tools/find_python.sh $(BPY_PYTHON)) && "$$python" -m venv --clear $(BPY_VENV)
+	$(BPY_VENV)/bin/python -m pip install --quiet --disable-pip-version-check bpy==$(BPY) \
+		"numpy$(if $(filter 3.11,$(BPY_PYTHON)),>=1.26$(COMMA)<2,>=2.2$(COMMA)<3)" shapely Pillow xatlas pytest hypothesis
+	tools/check_bpy.sh $(BPY_VENV)/bin/python
+	touch $@
+
+COMMA := ,
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff format --check .
@@ -48,4 +70,4 @@ $(VENV)/.dev: $(VENV)/.runtime requirements-dev.txt
 	touch $@
 
 clean:
-	rm -rf $(VENV) $(OUT) dist
+	rm -rf $(VENV) $(VENV)-bpy-* $(OUT) dist

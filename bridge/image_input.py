@@ -14,6 +14,7 @@ from ..core.model import Float32Array, ToneImage
 from ..core.texture.decode import tone_image
 from ..core.texture.grade import linear_colours
 from ..core.texture.heads import check_texels, texels, texels_of_file
+from .quiet import quiet_stderr
 
 RAW_COLOUR_SPACES = ("Non-Color", "Raw", "Linear Rec.709", "Linear", "Generic Data")
 
@@ -31,7 +32,9 @@ def load_image(path: Path) -> bpy.types.Image:
         image = bpy.data.images.load(str(path.resolve()))
     except RuntimeError:  # how Blender tells that it cannot open the file
         raise TextureError(f"the image {path} cannot be read", hint) from None
-    if not all(image.size):
+    with quiet_stderr():  # the size is known once the file is decoded, about which Blender before 5 has its own say
+        is_picture = all(image.size)
+    if not is_picture:
         bpy.data.images.remove(image)
         raise TextureError(f"{path} is not an image that Blender can read", hint)
     return image

@@ -46,7 +46,7 @@ TITLES = {
     "open_edges": "Open edges",
     "branching_edges": "Edges of more than two faces",
     "flipped_faces": "Flipped faces",
-    "crossing_faces": "Faces that cross others",
+    "crossing_faces": "Crossing faces",
     "flat_faces": "Faces without an area",
     "thin_faces": "Walls thinner than two lines",
 }

@@ -1,4 +1,4 @@
-"""Keep Blender's own messages off the standard output, where they would drown ours."""
+"""Keep Blender's own messages off the standard streams, where they would drown ours."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stdout
 
-STDOUT = 1
+STDOUT, STDERR = 1, 2
 
 
 @contextmanager
@@ -18,21 +18,35 @@ def quiet_stdout() -> Iterator[None]:
     Importers and the renderer write there from C, so the file descriptor itself is turned away; reports of operators
     come through Python's `sys.stdout`, which need not be the same.
     """
+    with _turned_away(STDOUT), open(os.devnull, "w") as silence, redirect_stdout(silence):
+        yield
+
+
+@contextmanager
+def quiet_stderr() -> Iterator[None]:
+    """Send what C writes to the process's standard error nowhere; for short blocks whose failures are told by us."""
+    with _turned_away(STDERR):
+        yield
+
+
+@contextmanager
+def _turned_away(descriptor: int) -> Iterator[None]:
     _flush()
-    kept = os.dup(STDOUT)
+    kept = os.dup(descriptor)
     nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, STDOUT)
+    os.dup2(nowhere, descriptor)
     os.close(nowhere)
     try:
-        with open(os.devnull, "w") as silence, redirect_stdout(silence):
-            yield
+        yield
     finally:
         _flush()
-        os.dup2(kept, STDOUT)
+        os.dup2(kept, descriptor)
         os.close(kept)
 
 
 def _flush() -> None:
-    sys.stdout.flush()
+    for stream in (sys.stdout, sys.stderr):
+        if stream is not None:  # a Blender without a console on Windows has none
+            stream.flush()
     if os.name == "posix":
         ctypes.CDLL(None).fflush(None)  # C's buffer would come out later

@@ -58,4 +58,4 @@ def draw_progress(layout: bpy.types.UILayout, *operators: type[bpy.types.Operato
     running = JobOperator.running
     if running and running.operator in {operator.bl_idname for operator in operators}:
         layout.progress(factor=running.share, text=running.stage)
-        layout.label(text="Esc cancels", icon="EVENT_ESC")
+        layout.label(text="Esc cancels", icon="CANCEL")
