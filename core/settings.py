@@ -78,6 +78,18 @@ class PrintSettings:
         0.05, "Share of the way to the middle of its neighbours that a sample moves", "", 0.0, 0.5, group="pattern"
     )
     flat_layers: int = setting(0, "Layers at the bottom that are printed without a wave", "", 0, 1000, group="pattern")
+    phase_shift_layers: int = setting(
+        0,
+        "Instead of the checkerboard, white waves shifted against the black ones, by another eighth of a wave after so "
+        "many layers; 0 is the checkerboard",
+        "", 0, 1000, group="pattern",
+    )  # fmt: skip
+    mostly_white_below: int = setting(
+        0, "Below this layer three of four layers are white; 0 is none", "", 0, 10000, group="pattern"
+    )
+    mostly_black_above: int = setting(
+        0, "From this layer on three of four layers are black; 0 is none", "", 0, 10000, group="pattern"
+    )
     chord_tolerance: float = setting(
         0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
     )

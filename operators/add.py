@@ -14,6 +14,7 @@ from ..bridge.picture_objects import add_picture_object
 from ..core.errors import PrintError
 from ..core.picture_shapes import PictureShape, fitted, picture_plate, picture_tube
 from ..core.settings import PrintSettings
+from .add_figures import DUALCOLOR_OT_add_figure_cylinder, draw_figure_entries
 from .calibrate import DUALCOLOR_OT_add_calibration_tile
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr", ".tga", ".webp")
@@ -194,6 +195,8 @@ class DUALCOLOR_MT_add(bpy.types.Menu):
         for added, icon in _ENTRIES:
             self.layout.operator(added.bl_idname, icon=icon)
         self.layout.separator()
+        draw_figure_entries(self.layout)
+        self.layout.separator()
         self.layout.operator(DUALCOLOR_OT_add_calibration_tile.bl_idname, icon="MESH_GRID")
 
 
@@ -202,7 +205,7 @@ _ENTRIES = (
     (DUALCOLOR_OT_add_cylinder, "MESH_CYLINDER"),
     (DUALCOLOR_OT_add_lamp_shade, "LIGHT_POINT"),
 )
-CLASSES = (*(added for added, _ in _ENTRIES), DUALCOLOR_FH_image, DUALCOLOR_MT_add)
+CLASSES = (*(added for added, _ in _ENTRIES), DUALCOLOR_OT_add_figure_cylinder, DUALCOLOR_FH_image, DUALCOLOR_MT_add)
 
 
 def draw_add_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None:

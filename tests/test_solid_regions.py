@@ -93,7 +93,7 @@ def test_the_other_colour_is_behind_and_nothing_waves(pattern, black):
     assert np.array_equal(set_back[outside], before[1][outside])
     turn = np.degrees(np.arctan2(lines.points[:, 1], lines.points[:, 0])) % 360
     middle = (turn > 120) & (turn < 240)
-    own = layer_is_black(lines.layer[lines.loop]) == black
+    own = layer_is_black(lines.layer[lines.loop], PrintSettings()) == black
     assert depth[middle] == pytest.approx(0, abs=1e-9) and set_back[middle & own] == pytest.approx(0, abs=1e-9)
     assert set_back[middle & ~own] == pytest.approx(0.5)
     # Nowhere does a line jump: from a wavelength to the next the way back is made in steps.

@@ -151,7 +151,7 @@ def faded_share(lines: Contours, tone: FloatArray, slant_deg: FloatArray, settin
         settings: those of the pattern are used.
     """
     layer = lines.layer[lines.loop]
-    wanted, back = supported(*shape(tone, layer_is_black(layer), settings), slant_deg, settings)
+    wanted, back = supported(*shape(tone, layer_is_black(layer, settings), settings), slant_deg, settings)
     depth, set_back = modulated(lines, tone, slant_deg, settings)
     swing = np.where(layer < settings.flat_layers, 0.0, wanted) + back
     lost = 1.0 - (depth + set_back) / np.maximum(swing, _LEAST_SWING_MM)

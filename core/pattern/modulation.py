@@ -99,6 +99,30 @@ def layer_sign(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> FloatA
     return np.where((layer + 1) // 2 % 2 == 0, 1.0, -1.0)
 
 
-def layer_is_black(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> BoolArray:
-    """Whether each layer is printed with the black filament: the even ones are."""
-    return np.asarray(layer % 2 == 0)
+def layer_shift(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]], settings: PrintSettings) -> FloatArray:
+    """How far the waves of each layer are shifted where white ones are shifted against black ones (paper, Figure 3c).
+
+    Args:
+        layer: numbers of layers.
+        settings: phase_shift_layers, above 0, mostly_white_below and mostly_black_above are used.
+
+    Returns:
+        Radians: 0 for black layers, for white ones an eighth of a wave more in each band of so many layers.
+    """
+    eighths = layer // settings.phase_shift_layers % 8
+    return np.where(layer_is_black(layer, settings), 0.0, eighths * (np.pi / 4))
+
+
+def layer_is_black(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]], settings: PrintSettings) -> BoolArray:
+    """Whether each layer is printed with the black filament: the even ones are, or one or three of four.
+
+    Args:
+        layer: numbers of layers, the object's own first one 0.
+        settings: mostly_white_below and mostly_black_above are used (paper, Figure 3a).
+    """
+    is_black = layer % 2 == 0
+    if settings.mostly_white_below:
+        is_black = is_black & ((layer >= settings.mostly_white_below) | (layer % 4 == 0))
+    if settings.mostly_black_above:
+        is_black = is_black | ((layer >= settings.mostly_black_above) & (layer % 4 == 3))
+    return np.asarray(is_black)

@@ -99,7 +99,9 @@ def with_solid_regions(
     inside = solid.region >= 0
     share = np.clip(2 * average_along_wall(inside.astype(np.float64), lines, settings.wavelength) - 1, 0.0, 1.0)
     share = np.where(inside, share, 0.0)
-    behind = _wrong_colour(lines, solid) if swapped is None else _wrong_colour(lines, solid) & ~swapped
+    behind = _wrong_colour(lines, solid, settings)
+    if swapped is not None:
+        behind &= ~swapped
     wanted = np.where(behind, settings.solid_set_back, 0.0)
     hidden = supported(depth * (1 - share), set_back + share * (wanted - set_back), slant_deg, settings)
     new_depth, new_set_back = faded(*hidden, lines.room_inside, lines.room_outside)
@@ -116,7 +118,7 @@ def left_to_other_tool(lines: Contours, solid: SolidRegions, settings: PrintSett
         solid: the regions.
         settings: the wavelength is used.
     """
-    swapped = _wrong_colour(lines, solid)
+    swapped = _wrong_colour(lines, solid, settings)
     for kind in (False, True):
         run = runs(swapped.astype(np.int64), lines.start)
         length = np.bincount(run, _steps(lines))
@@ -127,12 +129,12 @@ def left_to_other_tool(lines: Contours, solid: SolidRegions, settings: PrintSett
     return swapped
 
 
-def _wrong_colour(lines: Contours, solid: SolidRegions) -> BoolArray:
+def _wrong_colour(lines: Contours, solid: SolidRegions, settings: PrintSettings) -> BoolArray:
     """(N,) points in a region on layers of the other colour."""
     inside = solid.region >= 0
     black_here = np.zeros(len(inside), dtype=bool)
     black_here[inside] = solid.is_black[solid.region[inside]]
-    return np.asarray(inside & (layer_is_black(lines.layer[lines.loop]) != black_here))
+    return np.asarray(inside & (layer_is_black(lines.layer[lines.loop], settings) != black_here))
 
 
 def _steps(lines: Contours) -> FloatArray:

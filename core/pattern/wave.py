@@ -14,7 +14,7 @@ from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
 from .chunks import in_chunks
 from .contours import POINTS_PER_WAVELENGTH, Contours, filtered
-from .modulation import faded, layer_is_black, layer_sign, shape, supported
+from .modulation import faded, layer_is_black, layer_shift, layer_sign, shape, supported
 from .sampling import Samples
 
 # The tolerance is shared between the even sampling of the sine and the removal of points that change nothing.
@@ -101,7 +101,7 @@ def modulated(
         (N,) depth and (N,) set-back, mm.
     """
     layer = lines.layer[lines.loop]
-    depth, set_back = supported(*shape(tone, layer_is_black(layer), settings), slant_deg, settings)
+    depth, set_back = supported(*shape(tone, layer_is_black(layer, settings), settings), slant_deg, settings)
     return faded(np.where(layer < settings.flat_layers, 0.0, depth), set_back, lines.room_inside, lines.room_outside)
 
 
@@ -138,7 +138,12 @@ def waved(
         value = table[before]
         value += weight[:, None] * (table[after] - value)
         phase = np.where(pieces.waves[row], np.cos(2 * np.pi * share), 0.0)
-        moved = layer_sign(layer[pieces.loop[row]]) * phase * value[:, 4] / 2 - value[:, 5]
+        if settings.phase_shift_layers:
+            shift = layer_shift(layer[pieces.loop[row]], settings)
+            swing = np.where(pieces.waves[row], np.cos(2 * np.pi * share + shift), 0.0)
+        else:
+            swing = layer_sign(layer[pieces.loop[row]]) * phase
+        moved = swing * value[:, 4] / 2 - value[:, 5]
         points = value[:, :2] + value[:, 2:4] * moved[:, None]
         keep = _within_tolerance(points, row - piece[0], tolerance)
         if swapped is not None:

@@ -12,14 +12,16 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, IntArray
+from ..pattern.modulation import layer_is_black
 from ..settings import PrintSettings
 from .moves import Feature, Paths
 
 
 def tool_of_layer(layer: IntArray, settings: PrintSettings) -> IntArray:
-    """Tool of each layer: black on the object's even ones, and on the raft, which needs no tool change."""
+    """Tool of each layer: that of the object's layer, and of its first one on the raft, which needs no tool change."""
     own = np.maximum(layer - settings.raft_layers, 0)
-    return np.where(own % 2 == 0, settings.black_tool, 1 - settings.black_tool).astype(np.int64)
+    is_black = layer_is_black(own, settings)
+    return np.where(is_black, settings.black_tool, 1 - settings.black_tool).astype(np.int64)
 
 
 def tool_of_paths(layer: IntArray, swapped: BoolArray | None, settings: PrintSettings) -> IntArray:
