@@ -84,11 +84,10 @@ def _over_air(solid: Shapes, below: Shapes, island_layer: IntArray, width_mm: fl
     rows = np.flatnonzero((shapely.area(solid) >= _SMALLEST_MM2) & (island_layer > 0))
 
     def chunk(skin: Shapes, layer: IntArray) -> tuple[Shapes]:
-        carried = covered(skin, layer, below, [-1])
+        _, uncarried = covered(skin, layer, below, [-1])
         bare = np.full(len(skin), shapely.Polygon(), dtype=object)
-        some = np.flatnonzero(carried != skin)
-        some = some[shapely.area(skin[some]) - shapely.area(carried[some]) >= _SMALLEST_MM2]
-        bare[some] = offset(offset(remainder(skin[some], carried[some]), -width_mm), width_mm)
+        some = np.flatnonzero(shapely.area(uncarried) >= _SMALLEST_MM2)
+        bare[some] = offset(offset(uncarried[some], -width_mm), width_mm)
         return (bare,)
 
     (bare,) = in_chunks(chunk, solid[rows], island_layer[rows])

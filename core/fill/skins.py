@@ -39,18 +39,20 @@ def solid_and_sparse(
     remnant_mm2 = _SMALLEST_SPARSE_MM2 if settings.infill_density > 0.0 else 0.0
 
     def chunk(inside: Shapes, layer: IntArray) -> tuple[Shapes, Shapes]:
-        solid, sparse = _divided(inside, covered(inside, layer, outlines, steps), settings.extrusion_width)
+        solid, sparse = _divided(inside, *covered(inside, layer, outlines, steps), settings.extrusion_width)
         return _with_remnants(inside, solid, sparse, remnant_mm2)
 
     solid, sparse = in_chunks(chunk, fill, island_layer)
     return solid, sparse
 
 
-def covered(inside: Shapes, layer: IntArray, outlines: Shapes, steps: list[int]) -> Shapes:
-    """What is left of regions where all of some other layers cover them.
+def covered(inside: Shapes, layer: IntArray, outlines: Shapes, steps: list[int]) -> tuple[Shapes, Shapes]:
+    """What is left of regions where all of some other layers cover them, and what is not.
 
     Most regions lie well inside their neighbours' outlines, which a prepared predicate tells twenty times faster than
-    an intersection; so only the others are cut. The farthest layers should come first, as they leave the least.
+    an intersection; so only the others are cut. The farthest layers should come first, as they leave the least. What
+    is not covered is cut out by the neighbour's outline and not by what is left, whose edges are the region's own: such
+    an overlay takes five times as long.
 
     Args:
         inside: (I,) regions.
@@ -59,24 +61,29 @@ def covered(inside: Shapes, layer: IntArray, outlines: Shapes, steps: list[int])
         steps: the other layers, relative to a region's own.
 
     Returns:
-        (I,) Polygon or MultiPolygon; the very objects of `inside` where nothing is uncovered.
+        (I,) Polygon or MultiPolygon, the very objects of `inside` where nothing is uncovered; (I,) the rest of them.
     """
-    left = inside.copy()
+    left, bared = inside.copy(), np.full(len(inside), shapely.Polygon(), dtype=object)
     if not len(inside):
-        return left
+        return left, bared
     low = max(int(layer.min()) + min(steps, default=0), 0)
     near = shapely.force_2d(outlines[low : int(layer.max()) + max(steps, default=0) + 1])  # a copy: see below
     shapely.prepare(near)  # a prepared shape must not be shared between threads
     for step in steps:
         other = layer + step
         bare = (other < 0) | (other >= len(outlines))
-        left[bare] = shapely.Polygon()
+        left[bare], bared[bare] = shapely.Polygon(), inside[bare]
         rows = np.flatnonzero(~bare & ~shapely.is_empty(left))
         rows = rows[~shapely.contains_properly(near[other[rows] - low], left[rows])]
         again = left[rows] != inside[rows]  # cut before, along an outline that may be nearly the same
         for part, grid_mm in ((rows[~again], None), (rows[again], _GRID_MM)):
-            left[part] = _polygonal(shapely.intersection(near[other[part] - low], left[part], grid_size=grid_mm))
-    return left
+            cutters = near[other[part] - low]
+            left[part] = _polygonal(shapely.intersection(cutters, left[part], grid_size=grid_mm))
+            cut_off = shapely.difference(inside[part], cutters)
+            bared[part] = _polygonal(shapely.union(bared[part], cut_off) if grid_mm else cut_off)
+    wrong = np.abs(shapely.area(inside) - shapely.area(left) - shapely.area(bared)) > _AREA_ERROR_MM2
+    bared[wrong] = remainder(inside[wrong], left[wrong])
+    return left, bared
 
 
 def remainder(whole: Shapes, parts: Shapes) -> Shapes:
@@ -99,13 +106,13 @@ def _polygonal(shapes: Shapes) -> Shapes:
     return shapes
 
 
-def _divided(inside: Shapes, cover: Shapes, width_mm: float) -> tuple[Shapes, Shapes]:
+def _divided(inside: Shapes, cover: Shapes, bared: Shapes, width_mm: float) -> tuple[Shapes, Shapes]:
     """The regions' part within a width of what is not covered, slivers apart, and the rest of them."""
     solid, sparse = np.full(len(inside), shapely.Polygon(), dtype=object), inside.copy()
     bare = shapely.is_empty(cover)
     solid[bare], sparse[bare] = inside[bare], shapely.Polygon()
     rows = np.flatnonzero((cover != inside) & ~bare)
-    core = offset(remainder(inside[rows], cover[rows]), -0.25 * width_mm)
+    core = offset(bared[rows], -0.25 * width_mm)
     wide = ~shapely.is_empty(core)
     rows = rows[wide]
     whole, grown = inside[rows], offset(core[wide], 1.25 * width_mm)
