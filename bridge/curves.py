@@ -82,6 +82,7 @@ def strand_objects(
     unit: float,
     origin: FloatArray,
     marks_of: Callable[[Strands], dict[str, NDArray[Any]]] = lambda laid: {},
+    levels: int = _ROUNDNESS_LEVELS,
 ) -> list[bpy.types.Object]:
     """Strands as objects that are not linked to any collection yet, one a filament and height-to-width ratio.
 
@@ -91,8 +92,9 @@ def strand_objects(
         unit: mm that a scene unit is.
         origin: (3,) mm, where the strands' origin lies in the world.
         marks_of: gives columns of values for the points of strands.
+        levels: of roundness, from oval to round.
     """
-    parts, roundness = split_by_roundness(laid, _ROUNDNESS_LEVELS)
+    parts, roundness = split_by_roundness(laid, levels)
     return [
         _strand_object(kind, part, ratio, unit, origin, marks_of(part))
         for kind, members, ratio in _groups(parts, roundness, black_tool)
@@ -224,7 +226,7 @@ def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple
     # Round is round, whatever the width.
     step = np.where(roundness < 1, np.round(np.log(ratio / usual) / np.log(_RATIO_STEP)), 0).astype(np.int64)
     is_white = laid.tool != black_tool
-    kind = (is_white * 1000 + np.rint(roundness * (_ROUNDNESS_LEVELS - 1)).astype(np.int64)) * 1000 + np.abs(step) * 2
+    kind = (is_white * 1000 + np.rint(roundness * 100).astype(np.int64)) * 1000 + np.abs(step) * 2
     kind += step < 0
     order = np.argsort(kind, kind="stable")
     groups = []

@@ -35,6 +35,7 @@ _LAMP_SHARE = 0.5
 _LAMP_FROM_NORMAL_RAD = math.radians(45.0)
 _LAMP_SIZE_RAD = math.radians(10.0)
 _BOUNCES = 8
+_ROUNDNESS_LEVELS = 13  # steps of 2 % of the diameter: with few of them tones would jump from one to the next
 
 
 @dataclass(frozen=True)
@@ -152,7 +153,7 @@ def mounted(moves: Moves, settings: PrintSettings, face: Face, light: str = "eve
     with leaving_no_trace():
         scene = bpy.data.scenes.new("Instrument")
         centre = np.array(face.centre)
-        for made in strand_objects(laid, settings.black_tool, 1.0, -centre):
+        for made in strand_objects(laid, settings.black_tool, 1.0, -centre, levels=_ROUNDNESS_LEVELS):
             if not draws_straight(scene):
                 made.data = render_rods(made, *read_strands(made)[:3], scene)
             scene.collection.objects.link(made)

@@ -24,6 +24,7 @@ from .pattern.quality import seam_errors
 from .pattern.sampling import Projector, Samples, sample
 from .pattern.slant import slant_along
 from .pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
+from .pattern.strand_edges import widened
 from .pattern.visibility import at_arcs, seam_visibility, visibility_warnings
 from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
 from .plate import object_rows, plate_warnings
@@ -141,6 +142,7 @@ def steps(
         slant = run("slant", _slant, lines, mesh, settings.wavelength)
         printed, notes = run("calibration", calibrated, tone, slant, settings)
         depth, set_back = run("modulation", modulated, lines, printed, slant, settings)
+        set_back = run("strand edges", widened, lines, printed, set_back, settings)
         depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
         outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings, swapped)
         yield stage(0.6, "supports")
