@@ -43,13 +43,14 @@ def _facing_distance(
 ) -> tuple[FloatArray, FloatArray]:
     other, group = PointGrid(points, layer, reach / 2).candidates(points, layer, rings=2)
     this = np.repeat(np.arange(len(points)), np.diff(group))
-    facing = np.einsum("ij,ij->i", normal[this], normal[other]) < FACING
+    facing = np.einsum("ij,ij->i", normal.take(this, axis=0), normal.take(other, axis=0)) < FACING
     this, other = this[facing], other[facing]
-    away = points[other] - points[this]
-    near = np.einsum("ij,ij->i", away, away) <= reach**2
-    this, other, away = this[near], other[near], away[near]
-    along = np.einsum("ij,ij->i", away, normal[this])
-    sideways = np.abs(away[:, 0] * normal[this, 1] - away[:, 1] * normal[this, 0])
+    away = points.take(other, axis=0) - points.take(this, axis=0)
+    near = np.flatnonzero(np.einsum("ij,ij->i", away, away) <= reach**2)
+    this, away = this[near], away.take(near, axis=0)
+    outwards = normal.take(this, axis=0)
+    along = np.einsum("ij,ij->i", away, outwards)
+    sideways = np.abs(away[:, 0] * outwards[:, 1] - away[:, 1] * outwards[:, 0])
     # Straight across is what counts; a point of the other wall is at most half a stride off to the side.
     across = sideways <= np.maximum(0.5 * np.abs(along), 0.3 * reach)
     inward, outward = np.full(len(points), reach), np.full(len(points), reach)

@@ -179,8 +179,9 @@ def resampled(outlines: Outlines, step: float) -> tuple[FloatArray, IntArray, In
         np.searchsorted(total, place, side="right") - 1, outlines.start[loop], outlines.start[loop + 1] - 1
     )
     share = np.clip((place - total[segment]) / np.maximum(length[segment], 1e-12), 0, 1)[:, None]
-    points = outlines.points[segment] + share * along[segment]
-    ends = outlines.carried[segment]
+    # `take` is several times as fast as indexing where each row holds a few numbers.
+    points = outlines.points.take(segment, axis=0) + share * along.take(segment, axis=0)
+    ends = outlines.carried.take(segment, axis=0)
     return points, start, outlines.face[segment], ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
 
 
@@ -197,18 +198,19 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
     padded_start = starts(count + 2 * reach)
     loop = np.repeat(np.arange(len(count)), count + 2 * reach)
     offset = np.arange(padded_start[-1]) - padded_start[loop] - reach
-    padded = values[start[loop] + offset % np.maximum(count[loop], 1)]
+    padded = values.take(start[loop] + offset % np.maximum(count[loop], 1), axis=0)
     centre = np.arange(start[-1]) + reach * (1 + 2 * np.repeat(np.arange(len(count)), count))
     size = len(padded) - 2 * reach
     total = kernel[0] * padded[:size]
+    weighted = np.empty_like(total)
     for shift in range(1, len(kernel)):
-        total = total + kernel[shift] * padded[shift : shift + size]
-    return np.asarray(total[centre - reach])
+        total += np.multiply(padded[shift : shift + size], kernel[shift], out=weighted)
+    return total.take(centre - reach, axis=0)
 
 
 def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
     """Outward unit normals, smoothed once more so that neighbouring waves do not fan out at a corner."""
-    along = points[following(start)] - points[preceding(start)]
+    along = points.take(following(start), axis=0) - points.take(preceding(start), axis=0)
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
     normal /= np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)[:, None]
     normal = filtered(normal, start, kernel)
@@ -217,7 +219,8 @@ def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
 
 def curvature(points: FloatArray, start: IntArray) -> FloatArray:
     """(N,) 1/mm, signed: positive where a counter-clockwise line bends to the left (is convex)."""
-    ahead, behind = points[following(start)] - points, points - points[preceding(start)]
+    ahead = points.take(following(start), axis=0) - points
+    behind = ahead.take(preceding(start), axis=0)
     cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
     dot = (ahead * behind).sum(axis=1)
     length = (np.hypot(ahead[:, 0], ahead[:, 1]) + np.hypot(behind[:, 0], behind[:, 1])) / 2
@@ -232,11 +235,11 @@ def _inset(
     The second is how much room for a wave such a tip leaves: none where the inset had to be halved.
     """
     ahead = following(start)
-    along = smooth[ahead] - smooth
+    along = smooth.take(ahead, axis=0) - smooth
     least = UNFOLDED * np.einsum("ij,ij->i", along, along)
     base, wanted = smooth - normal * depth[:, None], depth
     for _ in range(UNFOLDINGS):
-        folded = np.einsum("ij,ij->i", base[ahead] - base, along) < least
+        folded = np.einsum("ij,ij->i", base.take(ahead, axis=0) - base, along) < least
         if not folded.any():
             break
         ends = folded.astype(float)
@@ -253,7 +256,7 @@ def _bend_room(turn: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
 
 
 def _arc_length(points: FloatArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
-    step = points[following(start)] - points
+    step = points.take(following(start), axis=0) - points
     length = np.hypot(step[:, 0], step[:, 1])
     total = np.concatenate([[0.0], np.cumsum(length)])
     return total[:-1], total[start]

@@ -19,8 +19,8 @@ from .sampling import Samples
 
 # The tolerance is shared between the even sampling of the sine and the removal of points that change nothing.
 SAMPLING_SHARE = 0.35
-# So many spans, about 25 points each, are tessellated at a time: their arrays stay in the cache.
-SPANS_AT_ONCE = 1 << 10
+# About so many chords are tessellated at a time: their arrays stay in the cache.
+CHORDS_AT_ONCE = 25 << 10
 
 
 @dataclass(frozen=True)
@@ -135,8 +135,8 @@ def waved(
 
     def chunk(piece: IntArray) -> tuple[NDArray[Any], ...]:
         row, share, before, after, weight = _along(pieces, lines, piece, count[piece])
-        value = table[before]
-        value += weight[:, None] * (table[after] - value)
+        value = table.take(before, axis=0)
+        value += weight[:, None] * (table.take(after, axis=0) - value)
         phase = np.where(pieces.waves[row], np.cos(2 * np.pi * share), 0.0)
         if settings.phase_shift_layers:
             shift = layer_shift(layer[pieces.loop[row]], settings)
@@ -151,10 +151,13 @@ def waved(
         # The last point of a span is the first one of the next.
         keep[:-1] &= row[1:] == row[:-1]
         keep[-1] = False
-        nearest = np.where(weight[keep] < 0.5, before[keep], after[keep])
-        return points[keep], value[keep], phase[keep], pieces.loop[row[keep]], lines.carried[nearest, :2]
+        kept = np.flatnonzero(keep)
+        nearest = np.where(weight[kept] < 0.5, before[kept], after[kept])
+        uv = lines.carried.take(nearest, axis=0)[:, :2]
+        return points.take(kept, axis=0), value.take(kept, axis=0), phase[kept], pieces.loop[row[kept]], uv
 
-    points, value, phase, loop, uv = in_chunks(chunk, np.arange(len(count)), rows=SPANS_AT_ONCE)
+    at_once = max(CHORDS_AT_ONCE * len(count) // max(int(count.sum()), 1), 1)
+    points, value, phase, loop, uv = in_chunks(chunk, np.arange(len(count)), rows=at_once)
     return WavedOutlines(
         base=value[:, :2].copy(),
         points=points,
