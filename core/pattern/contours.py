@@ -205,7 +205,7 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
     weighted = np.empty_like(total)
     for shift in range(1, len(kernel)):
         total += np.multiply(padded[shift : shift + size], kernel[shift], out=weighted)
-    return total.take(centre - reach, axis=0)
+    return np.asarray(total.take(centre - reach, axis=0))
 
 
 def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:

@@ -192,7 +192,7 @@ def _laid_out(paths: Paths, sequence: IntArray, offset: IntArray, flipped: BoolA
     # A line printed backwards leaves its points by the segment that used to arrive there.
     leaving = np.where(flipped[row], paths.start[row] + np.maximum(local - 1, 0), point)
     return OrderedPaths(
-        points=paths.points[point],
+        points=paths.points.take(point, axis=0),
         width=paths.width[leaving],
         start=starts(printed),
         layer=paths.layer[sequence],
