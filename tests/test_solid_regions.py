@@ -279,3 +279,19 @@ def test_the_tools_of_layers_take_turns_with_the_fewest_changes():
             for order in product(*(starts[kind] for kind in chosen))
         )
         assert changes == least
+
+
+def test_the_preview_shows_the_right_filament(scene, two_patches):
+    from dualcolor.bridge.curves import build_preview, read_strands
+    from dualcolor.bridge.units import mm_per_unit
+
+    unit, seen = mm_per_unit(scene), {}
+    for shown in build_preview(two_patches).objects:
+        points, counts, _, labels = read_strands(shown)
+        points = points * unit
+        turn = np.degrees(np.arctan2(points[:, 1], points[:, 0])) % 360
+        inside = np.repeat(labels["feature"] == Feature.OUTER_WALL, counts) & (np.abs(points[:, 2] - 8) < 4)
+        for name, (low, high) in (("black", BLACK_ANGLES), ("white", WHITE_ANGLES)):
+            tools = np.repeat(labels["tool"], counts)[inside & (turn > low) & (turn < high)]
+            seen.setdefault(name, set()).update((shown.name.split(".")[0].split()[-1], int(tool)) for tool in tools)
+    assert seen == {"black": {("Black", 0)}, "white": {("White", 1)}}
