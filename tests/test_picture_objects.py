@@ -132,3 +132,18 @@ def test_objects_are_added_in_object_mode_only(registered):
     with pytest.raises(RuntimeError, match="Switch to Object Mode"):
         bpy.ops.dualcolor.add_cylinder()
     bpy.ops.object.mode_set(mode="OBJECT")
+
+
+@pytest.mark.parametrize("kind", ["GRADIENT", "CHECKERED", "PHASE_SHIFTED", "ATTENUATED"])
+def test_cylinders_that_show_the_pattern_keep_what_makes_them(registered, kind):
+    use_millimetres(registered)
+    assert bpy.ops.dualcolor.add_figure_cylinder(kind=kind, diameter=8, height=6) == {"FINISHED"}
+    obj = bpy.context.object
+    settings, model = to_settings(obj.dualcolor), model_of(obj)
+    np.testing.assert_allclose(extent(model), (8, 8, 6), atol=0.05)
+    assert (settings.calibration == "slope_aware") == (kind == "GRADIENT")
+    assert bool(settings.phase_shift_layers) == (kind == "PHASE_SHIFTED")
+    assert bool(settings.mostly_white_below and settings.mostly_black_above) == (kind == "CHECKERED")
+    rows = model.textures[0].tone.mean(axis=1)
+    wanted = np.linspace(0, 1, 12) if kind in ("GRADIENT", "ATTENUATED") else np.full(12, 0.5)
+    np.testing.assert_allclose(rows, wanted, atol=0.005)
