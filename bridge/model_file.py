@@ -136,6 +136,8 @@ def _read(path: Path, kind: str) -> None:
             bpy.ops.import_scene.gltf(filepath=name, disable_bone_shape=True)
     except RuntimeError as problem:  # how an operator tells that it has failed
         reason = str(problem).strip().splitlines()[0].removeprefix("Error: ")
+        if reason.startswith("Python: "):  # a traceback of an importer that is written in it
+            reason = "it is damaged"
         raise PrintError(f"Blender cannot read {path}", reason) from None
 
 

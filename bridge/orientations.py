@@ -12,6 +12,7 @@ from mathutils import Matrix, Vector
 
 from ..core.analysis.orientation import Orientation, upright
 from .bed import bounds_mm
+from .kept import kept_json
 from .units import mm_per_unit
 
 ORIENTATIONS_KEY = "dualcolor_orientations"
@@ -27,7 +28,7 @@ def keep_orientations(source: bpy.types.Object, found: Sequence[Orientation]) ->
 
 def orientations_of(source: bpy.types.Object) -> list[dict[str, Any]]:
     """The fields of `Orientation` of each; empty before the first suggestion."""
-    return json.loads(source[ORIENTATIONS_KEY]) if ORIENTATIONS_KEY in source else []
+    return kept_json(source.get(ORIENTATIONS_KEY), [])
 
 
 def forget_orientations(source: bpy.types.Object) -> None:

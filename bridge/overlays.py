@@ -32,10 +32,12 @@ from ..core.analysis.study import Analysis
 from ..core.model import BoolArray, FloatArray
 from ..core.texture.decode import linear_from_srgb
 from .curves import bed_origin, new_curves, set_drawing
+from .kept import kept_json
 from .units import mm_per_unit
 
 SOURCE_KEY = "dualcolor_analysis_of"
 REPORT_KEY = "dualcolor_analysis"
+_REPORTED = ("pattern", "tracelines", "too_short", "slopes", "faded", "settings", "warnings")
 COLOUR_KEY = "dualcolor_overlay_colour"
 _HEAT_MM, _TRACE_MM, _MARK_MM, _FACE_LIFT_MM = 0.15, 0.08, 0.6, 0.08
 _OCTAHEDRON = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=float)
@@ -91,7 +93,7 @@ def remove_analysis(source: bpy.types.Object) -> bool:
 
 def analysis_of(source: bpy.types.Object) -> dict[str, Any]:
     """The report of the last analysis of an object; empty before the first."""
-    return json.loads(source[REPORT_KEY]) if REPORT_KEY in source else {}
+    return kept_json(source.get(REPORT_KEY), {}, _REPORTED)
 
 
 def _clear(collection: bpy.types.Collection) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..core.errors import PrintError
+from ..core.files import read_print_file
 from ..core.gcode.reader import ReadPrint, read_gcode
 from ..core.x3g.moves import moves_of_x3g
 from .curves import build_preview
@@ -20,10 +20,7 @@ def read_print(path: Path) -> ReadPrint:
     Raises:
         PrintError: it cannot be read, or is damaged.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as problem:
-        raise PrintError(f"{path} cannot be read", problem.strerror or "choose another file") from None
+    data = read_print_file(path)
     return moves_of_x3g(data, path.stem) if path.suffix.lower() == ".x3g" else read_gcode(data, path.stem)
 
 

@@ -12,9 +12,11 @@ import bpy
 from ..core.errors import SettingsError
 from ..core.settings import PrintSettings
 from .curves import is_print_shown, show_print
+from .kept import kept_json
 from .seam_visibility import visibility_names
 from .soft_proof import follow_paint, follow_settings
 
+_REPORTED = ("bounds_mm", "layers", "time_s", "filament", "settings", "warnings")
 _SEARCHED = {"seam_visibility": visibility_names}
 FLOAT_DIGITS = 6
 """A FloatProperty is single precision: 0.2 comes back as 0.200000003, which six significant digits undo."""
@@ -84,7 +86,7 @@ def set_report(group: bpy.types.PropertyGroup, report: dict[str, Any]) -> None:
 
 def report_of(group: bpy.types.PropertyGroup) -> dict[str, Any]:
     """What the last job reported; empty before the first."""
-    return json.loads(group.report) if group.report else {}
+    return kept_json(group.report, {}, _REPORTED)
 
 
 def set_findings(group: bpy.types.PropertyGroup, counts: dict[str, int]) -> None:
@@ -94,7 +96,7 @@ def set_findings(group: bpy.types.PropertyGroup, counts: dict[str, int]) -> None
 
 def findings_of(group: bpy.types.PropertyGroup) -> dict[str, int]:
     """What the last check of the model has found, by kind; empty before the first."""
-    return json.loads(group.findings) if group.findings else {}
+    return kept_json(group.findings, {})
 
 
 def repaint_proof(obj: bpy.types.Object) -> None:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..core.errors import PrintError
+from ..core.files import read_print_file
 from ..core.outputs import OutputFiles
 from ..core.printer import printer_names, printer_profile
 from ..core.x3g.audit import audit
@@ -33,10 +34,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     Raises:
         PrintError: something is, or the file cannot be read or is damaged.
     """
-    try:
-        commands = read_x3g(args.file.read_bytes())
-    except OSError as problem:
-        raise PrintError(f"{args.file} cannot be read", problem.strerror or "choose another file") from None
+    commands = read_x3g(read_print_file(args.file))
     if findings := audit(commands, printer_profile(args.printer)):
         raise PrintError(f"{args.file.name} must not be printed", "; ".join(findings))
     return [f"{args.file.name}: {int(commands.moves.sum()):,} moves, no faults found"]

@@ -8,10 +8,11 @@ import os
 from pathlib import Path
 from typing import Any
 
-from .errors import OutputError
+from .errors import OutputError, PrintError
 
 # Settings take a few kB, tables some more; nothing is read farther than this.
 MOST_JSON_BYTES = 1 << 20
+MOST_PRINT_BYTES = 400_000_000
 _REASONS = {
     errno.ENOENT: "its folder does not exist",
     errno.ENOTDIR: "its folder is a file",
@@ -41,6 +42,22 @@ def read_json(path: Path) -> Any:
         return json.loads(data.decode("utf-8"))
     except RecursionError:
         raise ValueError("nested too deeply") from None
+
+
+def read_print_file(path: Path) -> bytes:
+    """A G-code or X3G file.
+
+    Raises:
+        PrintError: it cannot be read, or is larger than any print.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(MOST_PRINT_BYTES + 1)  # no farther, whatever the file's size is said to be
+    except OSError as problem:
+        raise PrintError(f"{path} cannot be read", problem.strerror or "choose another file") from None
+    if len(data) > MOST_PRINT_BYTES:
+        raise PrintError(f"{path} has more than {MOST_PRINT_BYTES // 1_000_000} MB", "choose the file of a print")
+    return data
 
 
 def write_file(path: str | os.PathLike[str], data: bytes) -> None:

@@ -1,9 +1,10 @@
 """Whatever mesh and settings are given: a print that holds together, or one sentence."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
-from dualcolor.core.errors import PrintError
+from dualcolor.core.errors import PrintError, SettingsError
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
@@ -11,15 +12,20 @@ from dualcolor.core.settings import PrintSettings
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
-from dualcolor.tests.strategies import JOB_SETTINGS, broken, examples, solids
+from dualcolor.tests.solids import lathe, picture
+from dualcolor.tests.strategies import ANY_SETTINGS, JOB_SETTINGS, broken, examples, solids
 from dualcolor.tests.winding import agreement
 from hypothesis import assume, given
+
+VASE = lathe([[4, 0], [5, 0.6], [3.5, 1.4]], 24, textures=(picture(np.random.default_rng(1).random((16, 16))),))
 
 
 def printed(model, settings):
     """The print; None where it is refused, in one sentence."""
     try:
-        return generate(model, settings)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", RuntimeWarning)
+            return generate(model, settings)
     except PrintError as problem:
         assert problem.message and "\n" not in str(problem) and len(str(problem)) < 400
         return None
@@ -36,7 +42,8 @@ def assert_holds_together(result):
     assert (moves.position[strand] >= low).all() and (moves.position[strand] <= high).all()
     back = read_gcode(gcode_text(moves, settings, []), "part").moves
     np.testing.assert_allclose(back.filament[back.extrudes].sum(), moves.filament[strand].sum(), rtol=1e-3)
-    assert not audit(read_x3g(x3g_bytes(moves, settings, "part")), profile)
+    if not profile.marlin:
+        assert not audit(read_x3g(x3g_bytes(moves, settings, "part")), profile)
 
 
 def middles_below(height, settings):
@@ -71,3 +78,15 @@ def test_any_broken_mesh_prints_or_is_refused(model, changes):
         assert_holds_together(result)
         named = any("do not close" in text for text in result.warnings)
         assert named == bool(len(result.slices.open_layers))
+
+
+@given(ANY_SETTINGS)
+@examples(40)
+def test_any_settings_print_or_are_refused(values):
+    try:
+        settings = PrintSettings().changed(values)
+    except SettingsError:
+        assume(False)
+    result = printed(VASE, settings)
+    if result is not None:
+        assert_holds_together(result)

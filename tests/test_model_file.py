@@ -134,6 +134,38 @@ def test_files_that_are_no_use_are_refused_in_one_sentence(tmp_path, name, conte
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.05, 0.4, 0.8, 0.97])
+@pytest.mark.parametrize("name", ["a.blend", "compressed.blend", "a.obj", "a.stl", "a.ply", "a.glb", "a.gltf"])
+def test_files_that_break_off(tmp_path, name, share):
+    fresh()
+    add_box(name="box")
+    whole, cut = tmp_path / name, tmp_path / f"cut-{name}"
+    if name.endswith(".blend"):
+        bpy.ops.wm.save_as_mainfile(filepath=str(whole), compress=name.startswith("c"))
+    elif ".gl" in name:
+        bpy.ops.export_scene.gltf(filepath=str(whole), export_format="GLB" if name == "a.glb" else "GLTF_SEPARATE")
+    else:
+        getattr(bpy.ops.wm, f"{whole.suffix[1:]}_export")(filepath=str(whole))
+    cut.write_bytes(whole.read_bytes()[: int(share * whole.stat().st_size)])
+    try:
+        made = open_model(cut, height_mm=10)
+    except PrintError as problem:
+        assert "\n" not in str(problem) and "Traceback" not in str(problem)
+    else:
+        assert share > 0.5 and made.data.polygons
+
+
+def test_a_traceback_of_an_importer_is_not_passed_on(tmp_path):
+    fresh()
+    add_box(name="box")
+    path = tmp_path / "a.glb"
+    bpy.ops.export_scene.gltf(filepath=str(path))
+    path.write_bytes(path.read_bytes().replace(b'"componentType":5126', b'"componentType":5127'))
+    with pytest.raises(PrintError, match=r"cannot read .*damaged") as caught:
+        open_model(path)
+    assert "\n" not in str(caught.value)
+
+
 def test_colours_of_a_ply_become_tone(tmp_path):
     path = tmp_path / "tetra.ply"
     header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
@@ -144,6 +176,30 @@ def test_colours_of_a_ply_become_tone(tmp_path):
     model = model_of(open_model(path))
     expected = np.array([1, 0, float(linear_from_srgb(np.array(128 / 255))), 1])
     np.testing.assert_allclose(model.corner_tone, expected[model.corner_vertex], atol=2e-3)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".ply", ".glb"])
+def test_painted_vertices_keep_their_tone_through_a_file(tmp_path, suffix):
+    fresh()
+    box = add_box((10, 20, 30))
+    painted = box.data.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")
+    box.data.color_attributes.active_color = painted
+    tone = np.linspace(0.05, 0.95, len(painted.data))
+    for place, value in zip(painted.data, tone, strict=True):
+        place.color = (value, value, value, 1.0)
+    straight = model_of(box)
+    np.testing.assert_allclose(straight.corner_tone, tone[straight.corner_vertex], atol=1e-6)
+    path = tmp_path / f"box{suffix}"
+    if suffix == ".glb":
+        bpy.ops.export_scene.gltf(filepath=str(path), export_vertex_color="ACTIVE")
+    elif suffix == ".obj":
+        bpy.ops.wm.obj_export(filepath=str(path), export_colors=True, forward_axis="Y", up_axis="Z")
+    else:
+        bpy.ops.wm.ply_export(filepath=str(path), export_colors="SRGB", forward_axis="Y", up_axis="Z")
+    model = model_of(open_model(path, up="y" if suffix == ".glb" else "z"))
+    nearest = np.linalg.norm(model.vertices[:, None] - straight.vertices, axis=2)
+    assert nearest.min(axis=1).max() < 0.01
+    np.testing.assert_allclose(model.corner_tone, tone[nearest.argmin(axis=1)][model.corner_vertex], atol=0.01)
 
 
 def test_real_files_stand_upright_with_their_pictures(data):

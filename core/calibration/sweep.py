@@ -19,6 +19,7 @@ from .about import About
 BLOCKS = ("face", "phi", "theta")
 """Face on alone; turned up and down; turned to the sides."""
 _STEP_DEG, _FARTHEST_DEG = 10, 80
+_MOST_BYTES = 1 << 24  # readings take some kB
 
 # What numpy and zipfile raise when an archive is no archive, is broken, or claims to hold more than there is memory.
 _DAMAGES = (
@@ -95,6 +96,7 @@ def read_sweep(path: Path) -> Sweep:
         CalibrationError: it is missing or holds something else.
     """
     try:
+        _check_size(path)
         with np.load(path, allow_pickle=False) as held:
             about = About.from_dict(json.loads(str(held["about"])))
             angle, tone, seen, noise = (
@@ -103,6 +105,13 @@ def read_sweep(path: Path) -> Sweep:
             return Sweep(float(held["slant_deg"]), str(held["block"]), angle, tone, seen, noise, about)
     except _DAMAGES:
         raise CalibrationError(f"{path} holds no readings of a tile", "remove it and measure again") from None
+
+
+def _check_size(path: Path) -> None:
+    """Refuse an archive that unpacks to more than any readings take."""
+    with zipfile.ZipFile(path) as archive:
+        if sum(entry.file_size for entry in archive.infolist()) > _MOST_BYTES:
+            raise ValueError("too large")
 
 
 def read_sweeps(folder: Path) -> list[Sweep]:

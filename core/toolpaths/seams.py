@@ -75,7 +75,7 @@ def _depths(points: FloatArray, start: IntArray, reach: float) -> FloatArray:
     """(N,) mm to the left of the chord from `reach` before each point to `reach` behind it."""
     loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
     length = np.hypot(*(points[following(start)] - points).T)
-    around = sums(length, start)
+    around = np.maximum(sums(length, start), 1e-12)  # a loop may have shrunk to a point
     arc = np.cumsum(length) - length
     begin = arc[start[:-1]]
     reach_of = np.minimum(reach, around / 4)[loop]

@@ -112,8 +112,9 @@ def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, accele
     turn[(way[:-1] < _SHORTEST_MM) | (way[1:] < _SHORTEST_MM)] = 0.0
     mean = (way[:-1] + way[1:]) / 2
     first = inside.start - begin
-    with np.errstate(divide="ignore"):
-        bent = np.where(turn > 0, np.sqrt(acceleration * mean / turn), np.inf)
+    bent = np.full(len(turn), np.inf)
+    bends = turn > 0
+    bent[bends] = np.sqrt(acceleration * mean[bends] / turn[bends])
     corner[first : first + len(bent)] = bent
     return np.asarray(np.minimum(corner[: len(chord)], corner[1 : len(chord) + 1]))
 

@@ -1,0 +1,20 @@
+"""What objects keep as JSON; a file of others, or of another version of the program, may hold anything in its place."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import TypeVar
+
+Kept = TypeVar("Kept", dict, list)
+
+
+def kept_json(text: object, nothing: Kept, needed: Iterable[str] = ()) -> Kept:
+    """The value of a JSON text; `nothing` for no text, one of another kind, or one in which a needed name lacks."""
+    try:
+        value = json.loads(text) if isinstance(text, str) and text else nothing
+    except (ValueError, RecursionError):
+        return nothing
+    if not isinstance(value, type(nothing)) or any(name not in value for name in needed):
+        return nothing
+    return value
