@@ -43,8 +43,18 @@ def summary(result: DualColorPrint) -> list[str]:
         f"{name}: {size} mm, {report['layers']} layers, {report['tool_changes']} tool changes",
         f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
         f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
+        *([_solid_regions(report["solid_regions"])] if "solid_regions" in report else []),
         *(f"warning: {warning}" for warning in result.warnings),
     ]
+
+
+def _solid_regions(solid: dict[str, float]) -> str:
+    """How much is printed in one colour, and what that costs."""
+    minutes = (solid["outline_time_s"] + solid["tool_change_time_s"]) / 60
+    return (
+        f"solid regions: {solid['regions']}, {solid['black_mm2']:.0f} mm² black, {solid['white_mm2']:.0f} mm² white; "
+        f"{solid['tool_changes']:+d} tool changes, {minutes:+.1f} min"
+    )
 
 
 def file_size(count: int) -> str:

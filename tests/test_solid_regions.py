@@ -4,6 +4,7 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
+from dualcolor.commands.terminal import summary
 from dualcolor.core.beads import strands
 from dualcolor.core.exports import export_gcode, export_x3g
 from dualcolor.core.gcode.reader import read_gcode
@@ -190,6 +191,7 @@ def test_a_layer_changes_its_tool_once_and_then_primes_on_the_tower(two_patches)
     said = two_patches.report["solid_regions"]
     assert said["tool_changes"] == 0 and said["tool_changes_in_layers"] == (np.diff(moves.layer)[change - 1] == 0).sum()
     assert said["tool_changes_in_layers"] > 40 and 0 < said["tool_change_time_s"] < 60
+    assert any(line.startswith("solid regions: 2, ") for line in summary(two_patches))
     rows = wall_strands(moves, (0, 360), (0, 99)) & (moves.tool != moves.layer % 2)
     step = np.hypot(*np.diff(moves.position[:, :2], axis=0, prepend=moves.position[:1, :2]).T)
     assert step[rows].sum() == pytest.approx(said["other_tool_mm"], rel=0.05)
