@@ -9,7 +9,7 @@ from dualcolor.tests.strategies import damaged, examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-NAMES = ("gcode", "x3g", "preset", "settings", "header", "printer", "table", "sweep")
+NAMES = ("gcode", "x3g", "preset", "settings", "header", "printer", "table", "sweep", "photograph")
 
 
 def test_all_readers_are_tried():

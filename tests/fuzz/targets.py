@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from dualcolor.core.beads import strands
+from dualcolor.core.calibration.photograph import read_photograph
 from dualcolor.core.calibration.sweep import read_sweep
 from dualcolor.core.calibration.table import read_table
 from dualcolor.core.gcode.reader import read_gcode
@@ -25,6 +26,7 @@ from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
 from dualcolor.tests.solids import box
+from PIL import Image
 
 FOREIGN = b"""; external perimeter
 G21
@@ -84,6 +86,9 @@ def targets() -> dict[str, Target]:
         "sweep": Target(
             _in_a_file(".npz", read_sweep), (_archive(),), (b"PK\3\4", b"\x93NUMPY", b"<f8", b"|O", b"about")
         ),
+        "photograph": Target(
+            _in_a_file(".png", read_photograph), _pictures(), (b"IHDR", b"IDAT", b"\xff\xc0", b"II*\0", b"\xff" * 4)
+        ),
     }
 
 
@@ -128,6 +133,17 @@ def _table() -> bytes:
     about = {"settings": {}, "reflectance": {"Black": 0.03, "White": 0.7}, "source": "test"}
     values = {"format": "dualcolor tone table", "version": 1, "about": about, "tone": [0, 0.5, 1], "slant_deg": [0, 30]}
     return json.dumps(values | {"reflectance": rows, "noise": rows}).encode()
+
+
+def _pictures() -> tuple[bytes, ...]:
+    """Small pictures of several kinds."""
+    values = np.random.default_rng(1).integers(0, 256, (9, 12, 3)).astype(np.uint8)
+    found = []
+    for kind in ("PNG", "JPEG", "TIFF", "WEBP", "BMP", "GIF"):
+        held = BytesIO()
+        Image.fromarray(values).save(held, kind)
+        found.append(held.getvalue())
+    return tuple(found)
 
 
 def _archive() -> bytes:
