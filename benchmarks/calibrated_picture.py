@@ -38,7 +38,7 @@ PRESETS = {"paper": "waves (`paper`)", "waves_set_back": "shallow waves, set bac
            "set_back": "lines set back (`set_back`, default)"}  # fmt: skip
 OUT, PAGE = ROOT / "docs" / "images" / "calibration.png", ROOT / "docs" / "calibration.md"
 BEGIN, END = "<!-- plates begin -->\n", "<!-- plates end -->"
-WIDTH_MM, HEIGHT_MM, THICKNESS_MM, MM_PER_PIXEL, SAMPLES = 30.0, 35.5, 2.0, 0.1, 24
+WIDTH_MM, HEIGHT_MM, THICKNESS_MM, MM_PER_PIXEL, SAMPLES = 30.0, 35.5, 2.0, 0.1, 16
 WINDOW_MM = 2.0
 SIGMA_MM = WINDOW_MM / np.sqrt(12)  # of a Gaussian that spreads a point as far as such a window
 BORDER_MM = 4.0  # along the edges of a plate, which are lighter than its middle, whatever is printed
