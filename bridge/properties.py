@@ -120,6 +120,8 @@ def _get_show_print(group: bpy.types.PropertyGroup) -> bool:
 
 def _set_show_print(group: bpy.types.PropertyGroup, shown: bool) -> None:
     show_print(group.id_data, shown)
+    if not shown:
+        repaint_proof(group.id_data)  # which is seen again
 
 
 _OWN = {

@@ -10,11 +10,16 @@ bpy = pytest.importorskip("bpy")
 import dualcolor  # noqa: E402
 from dualcolor.bridge.image_input import image_tone  # noqa: E402
 from dualcolor.bridge.instrument import Face  # noqa: E402
+from dualcolor.bridge.picture_objects import add_picture_object  # noqa: E402
+from dualcolor.bridge.picture_print import picture_print  # noqa: E402
 from dualcolor.bridge.proof_picture import proof_picture  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
 from dualcolor.bridge.soft_proof import is_proofed, proof_notes, show_proof  # noqa: E402
 from dualcolor.core.calibration.calibrate import table_for  # noqa: E402
 from dualcolor.core.calibration.gamut_mapping import printable_tones  # noqa: E402
+from dualcolor.core.model import ToneImage  # noqa: E402
+from dualcolor.core.picture_match import PERIOD_LAYERS, averaged, correlation, in_pixels  # noqa: E402
+from dualcolor.core.picture_shapes import picture_plate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.soft_proof import TAPS, proof_table, proof_window, tone_range  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
@@ -327,3 +332,23 @@ def test_a_picture_without_uv_map_is_said_and_nothing_is_changed(registered):
 def test_a_reason_is_given_where_it_is_grey(registered):
     with pytest.raises(RuntimeError, match="Select a mesh object with faces first"):
         bpy.ops.dualcolor.soft_proof()
+
+
+def test_proof_predicts_the_print(registered):
+    """A small picture on a plate: what the proof shows is what the strands show, in their own tones."""
+    settings = PrintSettings()
+    plate = picture_plate(10.0, 10.0, 2.0, settings)
+    x, y = np.meshgrid(np.linspace(-1, 1, plate.columns), np.linspace(-1, 1, plate.rows))
+    tone = np.clip(0.5 + 0.45 * np.sin(3 * x + 2 * y) * np.cos(2 * x - 3 * y), 0, 1).astype(np.float32)
+    image = ToneImage(tone, np.ones_like(tone))
+    made = picture_print(image, plate, settings, "wavy", 0.1, samples=2)
+    obj = add_picture_object(image, plate, "wavy", settings)
+    bpy.context.view_layer.update()
+    show_proof(obj, settings)
+    width, height = plate.size
+    shown = proof_picture(obj, Face((0.0, float(plate.vertices[:, 1].min()), height / 2), width, height), 0.1, 2)
+    window = in_pixels((PERIOD_LAYERS * settings.layer_height, made.match.period_mm), 0.1)
+    inner = tuple(slice(size, -size) for size in window)
+    proof, printed = (averaged(each.astype(float), window)[inner] for each in (shown, made.photograph))
+    assert correlation(proof, printed) > 0.97
+    assert np.abs(proof - printed).mean() < 0.02
