@@ -59,7 +59,7 @@ def plate_model(
     Args:
         objects: the first gives the print its name.
         depsgraph: evaluated, of their scene.
-        settings: of the print.
+        settings: of the print. A vertex group that it names need not be on every object; those without are seen.
         images: the picture chosen for each object, or None for its own.
         markers: objects that enforce or block supports, beside those in the collections of each object.
 
@@ -68,8 +68,11 @@ def plate_model(
         TextureError: a picture is missing or there is no UV map for it.
     """
     models = []
+    group = settings.seam_visibility
+    grouped = any(group in obj.vertex_groups for obj in objects)
     for obj, image in zip(objects, images, strict=True):
+        own = settings.changed({"seam_visibility": ""}) if grouped and group not in obj.vertex_groups else settings
         chosen = [*volume_objects(obj).values(), *(() if models else markers)]
         volumes = tuple(support_volume(each, mark, depsgraph) for each, mark in chosen)
-        models.append(replace(surface_model(obj, depsgraph, settings, image), volumes=volumes))
+        models.append(replace(surface_model(obj, depsgraph, own, image), volumes=volumes))
     return plate(models, settings)

@@ -225,6 +225,21 @@ def test_a_vertex_group_says_where_seams_are_seen():
     assert model.polygon_visibility is None and model_of(obj).corner_visibility is None
 
 
+def test_the_other_objects_of_a_plate_need_no_such_group():
+    obj = painted_box()
+    import bpy
+    from dualcolor.bridge.plate import plate_model
+    from dualcolor.tests.scene import add_box
+
+    other = add_box((5, 5, 5), "other")
+    other.location.x = 30
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    whole = plate_model([obj, other], depsgraph, PrintSettings(seam_visibility="seen"), [None, None])
+    corner_object = np.repeat(whole.polygon_object, np.diff(whole.polygon_start))
+    assert set(whole.corner_visibility[corner_object == 0].tolist()) == {0.0, 0.75}
+    assert set(whole.corner_visibility[corner_object == 1].tolist()) == {1.0}
+
+
 def test_an_image_says_where_seams_are_seen(tmp_path):
     obj = painted_box()
     import bpy
