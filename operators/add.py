@@ -10,12 +10,15 @@ import numpy as np
 from bpy_extras.io_utils import ImportHelper, poll_file_object_drop
 
 from ..bridge.image_input import image_tone, load_image
+from ..bridge.mesh_input import WITH_SURFACE
 from ..bridge.picture_objects import add_picture_object
+from ..bridge.units import use_millimetres
 from ..core.errors import PrintError
 from ..core.picture_shapes import PictureShape, fitted, picture_plate, picture_tube
 from ..core.settings import PrintSettings
 from .add_figures import DUALCOLOR_OT_add_figure_cylinder, draw_figure_entries
 from .calibrate import DUALCOLOR_OT_add_calibration_tile
+from .viewing import frame_selected, show_pictures
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr", ".tga", ".webp")
 PLATE_BRIM_MM = 5.0  # a thin plate that stands upright needs a foot
@@ -72,8 +75,8 @@ class _AddPicture(ImportHelper):
         """
         raise NotImplementedError
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
-        """Add the object."""
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Add the object, and show it; a scene without anything else to print becomes one in millimetres."""
         path = Path(bpy.path.abspath(self.filepath))
         settings = PrintSettings(texture_filter="lanczos", brim_width=self.brim_width)
         try:
@@ -83,10 +86,14 @@ class _AddPicture(ImportHelper):
                 picture = fitted(image_tone(image), shape, auto_contrast=self.auto_contrast, frame_tone=self.frame_tone)
             finally:
                 bpy.data.images.remove(image)
+            if not any(other.type in WITH_SURFACE for other in context.scene.objects):
+                use_millimetres(context.scene)
             obj = add_picture_object(picture, shape, f"{path.stem} {self.label}", settings)
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
+        show_pictures(context)
+        frame_selected(context)
         width, height = shape.size
         self.report({"INFO"}, f"{obj.name}: {width:.1f} × {height:.1f} mm, {shape.columns} × {shape.rows} texels")
         return {"FINISHED"}

@@ -16,6 +16,7 @@ from ..core.errors import PrintError
 from ..core.mesh_files import write_mesh
 from ..core.outputs import OutputFiles
 from ..core.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
+from .viewing import show_file
 
 _VIEW_ITEMS = [
     (view.upper().replace("-", "_"), view.title(), f"Picture named …_{view}", 1 << number)
@@ -29,6 +30,8 @@ _DISTANCE_ITEMS = [("ALL", "Everything", "Leave all detail in")] + [
 
 class _ForStrands:
     """What operators on the strands of the active object have in common."""
+
+    written: tuple[Path, ...] = ()
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -48,16 +51,16 @@ class _ForStrands:
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Write the file or files, all or none."""
         try:
-            written = self.write(context, Path(bpy.path.abspath(self.filepath)))
+            self.written = tuple(self.write(context, Path(bpy.path.abspath(self.filepath))))
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Saved {', '.join(path.name for path in written)}")
+        self.report({"INFO"}, f"Saved {', '.join(path.name for path in self.written)}")
         return {"FINISHED"}
 
 
 class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operator):
-    """Render the strands in a small studio with Cycles; the scene stays as it is"""
+    """Render the strands in a small studio with Cycles, which takes about a minute, and show the picture"""
 
     bl_idname = "dualcolor.render_prediction"
     bl_label = "Render Predicted Print"
@@ -75,7 +78,7 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operat
         default={"THREE_QUARTER"},
     )  # fmt: skip
     azimuth: bpy.props.FloatProperty(
-        name="Front", description="Side of the object that is its front: 0° is -Y, 90° is +X", min=-360, max=360
+        name="Front (°)", description="Side of the object that is its front: 0° is -Y, 90° is +X", min=-360, max=360
     )
     distance: bpy.props.EnumProperty(
         name="Distance", description="Where the print is looked at from", items=_DISTANCE_ITEMS
@@ -85,6 +88,28 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operat
         description="Also save …_sheet.png: texture on the model, predicted print, and print at viewing distance",
     )
     whole_plate: bpy.props.BoolProperty(name="Whole Plate", description="Show the cleaning tower and the skirt too")
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """The views below each other: beside each other their names are cut off."""
+        layout = self.layout
+        layout.use_property_split = True
+        for name in ("width", "height", "samples", "azimuth", "distance", "contact_sheet", "whole_plate"):
+            layout.prop(self, name)
+        layout.label(text="Views")
+        layout.column(align=True).prop(self, "views")
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Render under a waiting cursor, then show the last picture."""
+        if context.window is None or bpy.app.background:
+            return super().execute(context)
+        context.window.cursor_set("WAIT")
+        try:
+            outcome = super().execute(context)
+        finally:
+            context.window.cursor_set("DEFAULT")
+        if self.written:
+            show_file(context, self.written[-1])
+        return outcome
 
     def write(self, context: bpy.types.Context, path: Path) -> list[Path]:
         """Take the pictures."""

@@ -10,6 +10,7 @@ from ..bridge.curves import source_of
 from ..bridge.properties import repaint_proof
 from ..bridge.units import mm_per_unit, use_millimetres
 from .generate import has_printable
+from .viewing import frame_selected
 
 _USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0
 
@@ -59,15 +60,6 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
         scale_to_height(obj, self.height)
         for other in context.scene.objects if self.scene_in_mm else ():
             repaint_proof(other)
-        if context.area and context.area.type == "VIEW_3D":
-            self._frame(context)
+        frame_selected(context)
         self.report({"INFO"}, f"{obj.name} is {self.height:.1f} mm high")
         return {"FINISHED"}
-
-    @staticmethod
-    def _frame(context: bpy.types.Context) -> None:
-        """Fill the view with the object, which a change of scale may have made a dot."""
-        region = next((region for region in context.area.regions if region.type == "WINDOW"), None)
-        with context.temp_override(region=region):
-            if bpy.ops.view3d.view_selected.poll():
-                bpy.ops.view3d.view_selected()

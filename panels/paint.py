@@ -67,8 +67,11 @@ def hints(obj: bpy.types.Object) -> list[str]:
         return [LEAVE_EDIT_MODE]
     found = [] if has_xatlas() else ["xatlas is not installed here: Smart UV Project does it too"]
     picture = picture_of(obj)
-    if picture is None and not obj.data.color_attributes:
+    painted = obj.data.color_attributes.active_color
+    if picture is None and painted is None:
         found.append("No image yet: all prints in the background tone")
+    elif picture is None:
+        found.append(f"No image: prints the color attribute {painted.name} (Vertex Paint)")
     elif picture is not None and not obj.data.uv_layers:
         found.append("The image needs a UV map: unwrap first")
     elif picture is not None and not obj.dualcolor.image:

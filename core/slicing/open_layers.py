@@ -9,7 +9,7 @@ from ..model import IntArray
 from .planes import Layers
 
 _MOST_STRETCHES = 4
-_HINT = "fill its holes (Edit Mode, Select > All by Trait > Non Manifold, then Face > Fill) or raise gap_closing_radius"
+_HINT = "fill its holes (in Blender: Prepare > Repair) or raise gap_closing_radius"
 
 
 def check_open(open_layers: IntArray, polygon_layer: IntArray, stack: Layers) -> None:

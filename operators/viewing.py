@@ -1,0 +1,40 @@
+"""What an operator does to the 3D view that it was called from, so that its result is seen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+
+def frame_selected(context: bpy.types.Context) -> None:
+    """Fill the view with what is selected, which may be a dot in it; outside of a 3D view nothing happens."""
+    if context.area is None or context.area.type != "VIEW_3D":
+        return
+    region = next((region for region in context.area.regions if region.type == "WINDOW"), None)
+    with context.temp_override(region=region):
+        if bpy.ops.view3d.view_selected.poll():
+            bpy.ops.view3d.view_selected()
+
+
+def show_pictures(context: bpy.types.Context) -> None:
+    """Have a solid view show the pictures on objects instead of one colour for each material."""
+    if context.area is None or context.area.type != "VIEW_3D":
+        return
+    shading = context.space_data.shading
+    if shading.type == "SOLID" and shading.color_type == "MATERIAL":
+        shading.color_type = "TEXTURE"
+
+
+def show_file(context: bpy.types.Context, path: Path) -> None:
+    """Show a picture that was saved in an image editor that is open, else in a window of its own, as renders are."""
+    image = bpy.data.images.load(str(path), check_existing=True)
+    image.reload()
+    areas = [area for window in context.window_manager.windows for area in window.screen.areas]
+    area = next((area for area in areas if area.type == "IMAGE_EDITOR"), None)
+    if area is None:
+        bpy.ops.wm.window_new()
+        area = context.window_manager.windows[-1].screen.areas[0]
+        area.type = "IMAGE_EDITOR"
+    area.spaces.active.image = image
+    area.tag_redraw()
