@@ -97,10 +97,11 @@ def main() -> int:
             print(rows[-1], f"(by a window: {plain.boxed_error:.2f}, {made.boxed_error:.2f})", flush=True)
             if path == args.images[0] and preset != "waves_set_back":
                 strips.append(strip(preset, plain, made, white))
-    page = Image.new("L", (strips[0].width, sum(image.height for image in strips)), 255)
-    for number, image in enumerate(strips):
-        page.paste(image, (0, number * image.height))
-    page.save(args.out, optimize=True)
+    if strips:
+        page = Image.new("L", (strips[0].width, sum(image.height for image in strips)), 255)
+        for number, image in enumerate(strips):
+            page.paste(image, (0, number * image.height))
+        page.save(args.out, optimize=True)
     if args.write:
         text = PAGE.read_text(encoding="utf-8")
         before, after = text.index(BEGIN) + len(BEGIN), text.index(END)

@@ -43,6 +43,23 @@ def test_calibrated_print_shows_the_tones_asked_for(quick, slant):
     assert error["slope_aware"] < error["none"] / 2
 
 
+def test_bars_of_light_lose_nothing_to_the_width_of_dark_lines(quick, monkeypatch):
+    """Bars a millimetre wide reflect, in all, the mean of the two tones aimed at."""
+    chosen = PrintSettings()
+    at = np.linspace(-20.0, 20.0, 401)
+    tone = np.where(np.floor(at / 2.0 + 1e-6) % 2 == 0, 0.5, 1.0)
+    aimed = targets(shipped_table(chosen), "compress", np.array([0.5, 1.0]), (0.5, 1.0))[0]
+    tile = profile_tile(0.0, 0.25, tone, 40.0)
+    mean = {}
+    for way in ("with", "without"):
+        if way == "without":
+            monkeypatch.setattr("dualcolor.core.pipeline.widened", lambda lines, printed, set_back, settings: set_back)
+        seen, _ = read_tile(tile, chosen, 8.0, [(0.0, 0.0)])
+        mean[way] = float(seen[100:-100, 0].mean())
+    assert mean["with"] == pytest.approx(aimed.mean(), abs=0.006)
+    assert mean["without"] < aimed.mean() - 0.008
+
+
 def test_patches_agree_with_the_gradient_of_the_table(quick):
     tone = np.array([0.1, 0.6])
     seen, noise = read_tile(step_tile(0.0, 0.25, tone), PrintSettings(calibration="none"), 4.8, [(0.0, 0.0)])
