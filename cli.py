@@ -6,7 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from .commands import analyse, audit, build_table, demo, measure, plate, read_photo, render, tile
 from .commands import print as print_command
@@ -16,8 +16,6 @@ from .core.outputs import OutputFiles, ended_by_signals
 
 PROGRAM = "dualcolor"
 DONE, USER_ERROR, INTERRUPTED = 0, 1, 130
-
-_handles: list[Any] = []
 
 
 class Command(Protocol):
@@ -75,21 +73,6 @@ def main(argv: Sequence[str]) -> int:
     written = [f"wrote {path} ({file_size(path.stat().st_size)})" for path in paths.values()]
     print("\n".join([*message, *written]))
     return DONE
-
-
-def register_command() -> None:
-    """Make the commands known to Blender."""
-    import bpy
-
-    _handles.append(bpy.utils.register_cli_command(PROGRAM, main))
-
-
-def unregister_command() -> None:
-    """Take the commands back."""
-    import bpy
-
-    while _handles:
-        bpy.utils.unregister_cli_command(_handles.pop())
 
 
 def make_parser() -> argparse.ArgumentParser:

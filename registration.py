@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import bpy
 
-from . import cli
 from .bridge import properties, results, scrubber, soft_proof
 from .operators import add
 from .operators.analyse import OPERATORS as ANALYSE_OPERATORS
@@ -26,6 +28,8 @@ from .panels import bed
 from .panels import scrubber as scrubber_panel
 from .panels.presets import MENUS
 from .panels.sidebar import PANELS
+
+PROGRAM = "dualcolor"
 
 CLASSES = (
     DUALCOLOR_OT_generate,
@@ -49,6 +53,8 @@ CLASSES = (
     *PANELS,
 )
 
+_handles: list[Any] = []
+
 
 def register() -> None:
     """Add the settings, the operators, the sidebar tab, the entries of the menus and the command line."""
@@ -63,13 +69,14 @@ def register() -> None:
     bpy.types.TOPBAR_MT_file_import.append(_draw_import_entry)
     bpy.types.VIEW3D_MT_add.append(add.draw_add_entry)
     bpy.types.IMAGE_MT_image.append(draw_image_entry)
-    cli.register_command()
+    _handles.append(bpy.utils.register_cli_command(PROGRAM, _command_line))
 
 
 def unregister() -> None:
     """Remove them in the reverse order."""
     soft_proof.hide_all_proofs()
-    cli.unregister_command()
+    while _handles:
+        bpy.utils.unregister_cli_command(_handles.pop())
     bed.unregister()
     scrubber_panel.unregister()
     bpy.types.IMAGE_MT_image.remove(draw_image_entry)
@@ -81,6 +88,13 @@ def unregister() -> None:
     scrubber.unregister()
     results.unregister()
     properties.unregister()
+
+
+def _command_line(arguments: Sequence[str]) -> int:
+    """`blender --command dualcolor …`; its modules are not needed before."""
+    from .cli import main
+
+    return main(arguments)
 
 
 def _draw_export_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None:

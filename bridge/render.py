@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -12,7 +11,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 from mathutils import Matrix
-from PIL import Image
 
 from ..core.errors import OutputError, PrintError
 from ..core.files import write_file
@@ -98,6 +96,8 @@ class Photographer:
             held.hide_render = painted
         if self._painted:
             self._painted.hide_render = not painted
+        import tempfile
+
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "picture.png"
             self._scene.render.filepath = str(path)
@@ -108,6 +108,8 @@ class Photographer:
         self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False
     ) -> Picture:
         """(H, W, 3) uint8 what `file` writes."""
+        from PIL import Image
+
         data = self.file(azimuth_deg, elevation_deg, steady=steady, painted=painted)
         with Image.open(BytesIO(data)) as image:
             return np.asarray(image.convert("RGB"))

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from PIL import Image
 
 from ..core.errors import OutputError
 from ..core.files import write_file
@@ -93,6 +92,8 @@ def _take(
 
 
 def _turn(collection: bpy.types.Collection, path: Path, options: PictureOptions) -> None:
+    from PIL import Image
+
     shrink = min(1.0, _TURNTABLE_PIXELS / max(options.resolution))
     width, height = (max(round(pixels * shrink), 1) for pixels in options.resolution)
     frames = []
@@ -117,6 +118,8 @@ def _labels(options: PictureOptions, with_model: bool) -> list[str]:
 
 
 def _png(picture: Picture) -> bytes:
+    from PIL import Image
+
     data = BytesIO()
     Image.fromarray(picture).save(data, "PNG")
     return data.getvalue()

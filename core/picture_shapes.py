@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from PIL import Image
 
 from .errors import MeshError
 from .model import BoolArray, Float32Array, FloatArray, IntArray, SurfaceModel, ToneImage
@@ -263,5 +262,7 @@ def _shape(
 
 
 def _resized(values: Float32Array, size: tuple[int, int], box: tuple[float, float, float, float]) -> Float32Array:
+    from PIL import Image
+
     picture = Image.fromarray(np.ascontiguousarray(values, dtype=np.float32))
     return np.asarray(picture.resize(size, Image.Resampling.LANCZOS, box=box), dtype=np.float32)

@@ -6,7 +6,6 @@ import importlib.util
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Generator
 from dataclasses import asdict, dataclass
@@ -81,6 +80,8 @@ def unwrapping(
     """
     if importlib.util.find_spec("xatlas") is None:
         raise PrintError("xatlas is not installed", "unwrap with Smart UV Project instead")
+    import tempfile
+
     with tempfile.TemporaryDirectory(prefix="dualcolor-") as folder:
         question, answer = Path(folder) / "mesh.npz", Path(folder) / "uv.npy"
         options = {f"chart_{name}": value for name, value in asdict(chart).items()}

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
 
 from .model import FloatArray
 from .texture.decode import linear_from_srgb, srgb_from_linear
@@ -107,6 +106,8 @@ def contact_sheet(rows: Sequence[Sequence[Picture]], labels: Sequence[str]) -> P
         rows: of one length each.
         labels: of the columns.
     """
+    from PIL import Image, ImageDraw, ImageFont
+
     height, width = rows[0][0].shape[:2]
     across, down = width + _MARGIN, height + _MARGIN
     head = _MARGIN + _TEXT_HEIGHT + _MARGIN // 2

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
 
 from ..model import FloatArray, IntArray, TriangleMesh
 from ..slicing.outlines import ranges
@@ -78,6 +77,8 @@ def draw(
         face_colours: (F, 3) sRGB.
         legend: colours and what they mean.
     """
+    from PIL import Image
+
     camera = _camera(mesh, view, pixels * _OVERSAMPLING)
     depth, face = _depth_buffer(mesh, camera)
     image = _shaded(mesh, camera, face, face_colours)
@@ -182,6 +183,8 @@ def _along(seen: FloatArray, start: IntArray) -> tuple[FloatArray, IntArray]:
 
 def _with_legend(picture: Picture, legend: Sequence[tuple[Rgb, str]]) -> Picture:
     """The picture with a line below it; the entries go on in further lines where the width asks for it."""
+    from PIL import Image, ImageDraw, ImageFont
+
     if not legend:
         return picture
     font = ImageFont.load_default(_TEXT_HEIGHT * 0.85)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageOps
 
 from ..errors import CalibrationError
 from ..model import BoolArray, Float32Array, FloatArray
@@ -58,6 +57,8 @@ def read_photograph(path: Path, as_stored: bool = False) -> Photograph:
         CalibrationError: it is missing, or no picture of 8 bits a colour.
         TextureError: it is of absurd size.
     """
+    from PIL import Image, ImageOps
+
     try:
         check_texels(path.name, texels_of_file(path))
         with warnings.catch_warnings():

@@ -7,8 +7,6 @@ import warnings
 from pathlib import Path
 from typing import BinaryIO
 
-from PIL import Image
-
 from ..errors import TextureError
 
 MOST_TEXELS = 1 << 27
@@ -41,6 +39,8 @@ def texels_of_file(path: Path) -> int:
 
 def texels(file: BinaryIO) -> int:
     """Width times height that the head of a picture claims, 0 for a kind of file that is not known here."""
+    from PIL import Image
+
     head = file.read(_HEAD_BYTES)
     file.seek(0)
     if head.startswith(_EXR):

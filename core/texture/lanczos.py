@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from PIL import Image
 
 from ..model import BoolArray, Float32Array, FloatArray
 
@@ -68,6 +67,8 @@ def reduced(
 
 
 def _resized(image: Float32Array, size: tuple[int, int]) -> Float32Array:
+    from PIL import Image
+
     picture = Image.fromarray(image).resize(size, Image.Resampling.LANCZOS)
     return np.asarray(picture, dtype=np.float32)
 
