@@ -145,12 +145,17 @@ def check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None
 
 def size_warnings(mesh: TriangleMesh, name: str, settings: PrintSettings) -> list[str]:
     """A finding about an object that is printed although its unit was hardly meant."""
-    size = mesh.bounds[1] - mesh.bounds[0]
-    if size.max() >= _USUAL_MM:
+    if (hint := size_hint(mesh, settings)) is None:
         return []
-    printer = settings.printer_profile
-    hint = _unit_hint(size, np.subtract(printer.reach_max, printer.reach_min))
-    return [f"{name} is only {_length(float(size.max()))} mm long; {hint}"]
+    return [f"{name} is only {_length(float(np.ptp(mesh.bounds, axis=0).max()))} mm long; {hint}"]
+
+
+def size_hint(mesh: TriangleMesh, settings: PrintSettings) -> str | None:
+    """What to do about an object whose unit was hardly meant; None for one of a usual size."""
+    size, printer = np.ptp(mesh.bounds, axis=0), settings.printer_profile
+    if size.max() >= _USUAL_MM:
+        return None
+    return _unit_hint(size, np.subtract(printer.reach_max, printer.reach_min))
 
 
 def _unit_hint(size: FloatArray, room: FloatArray) -> str:

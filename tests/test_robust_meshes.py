@@ -112,6 +112,13 @@ def test_absurd_scales_are_refused_with_a_hint_at_the_unit(factor, said):
     assert "\n" not in str(refused.value)
 
 
+def test_outlines_smaller_than_a_strand_are_refused_with_a_hint_at_the_unit():
+    with pytest.raises(MeshError, match=r"no outline .* 1\.26 mm long.* in inches it would be 30\.5 mm"):
+        generate(box((0, 0, 0), (0.3, 0.3, 1.2)), SETTINGS)
+    with pytest.raises(MeshError, match=r"no outline .*: scale it up"):
+        generate(box((0, 0, 0), (0.3, 0.3, 7)), SETTINGS)
+
+
 def test_a_small_object_is_printed_with_a_hint_at_the_unit():
     model = box((0, 0, 0), (2, 2, 1))
     with pytest.raises(MeshError, match="in inches it would be 10"):

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MeshError
+from ..mesh import size_hint
 from ..model import IntArray, TriangleMesh
 from ..pattern.chunks import in_threads
 from ..settings import PrintSettings
@@ -73,13 +74,23 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
         outlines, parent = _nested(_united_where(whole, crossing, shortest))
         polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
     if len(polygons) == 0 and len(open_layers) == 0:
-        raise MeshError("the mesh has no inside to print", "give it a volume, for example with a Solidify modifier")
+        raise _nothing(mesh, specks, shortest, settings)
     check_open(open_layers, polygon_layer, stack)
     regions = layer_regions(polygons, polygon_layer, len(stack))
     shared, united_layers = overlaps(whole, mesh, len(stack)), int(crossing.sum())
     return Slices(
         stack, outlines, polygons, polygon_layer, loop_polygon, regions, united_layers, specks, shared, open_layers
     )
+
+
+def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: PrintSettings) -> MeshError:
+    """Why there is not a single outline."""
+    hint = size_hint(mesh, settings)
+    if len(specks.layer):
+        text = f"no outline of the mesh is {shortest:.2f} mm long, as long as a strand is around"
+        return MeshError(text, hint or "scale it up")
+    volume = "give it a volume, for example with a Solidify modifier"
+    return MeshError("the mesh has no inside to print", hint or volume)
 
 
 def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:
