@@ -313,6 +313,10 @@ def test_ours_has_three_times_the_papers_range():
 def test_settings_that_the_table_does_not_hold_for_are_told(monkeypatch, tmp_path):
     _, notes = calibrated(np.zeros(1), np.zeros(1), PrintSettings(layer_height=0.15, wave_depth_max=0.9))
     assert len(notes) == 1 and "layer_height 0.15 instead of" in notes[0] and "wave" not in notes[0].split("(")[1][:60]
+    # The nearest one of those that come with the program is taken.
+    for height, nearest in ((0.15, 0.2), (0.21, 0.2), (0.24, 0.25), (0.3, 0.25)):
+        table_used = shipped_table(PrintSettings(layer_height=height))
+        assert table_used.about.settings["layer_height"] == nearest
     monkeypatch.setattr("dualcolor.core.calibration.calibrate.SHIPPED", tmp_path)
     _, notes = calibrated(np.zeros(1), np.zeros(1), PrintSettings())
     assert "has no tone table" in notes[0]

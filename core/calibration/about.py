@@ -37,6 +37,20 @@ class About:
             if wanted.get(name) != self.settings.get(name)
         ]
 
+    def distance(self, settings: PrintSettings) -> tuple[int, float]:
+        """How far the readings are from holding for settings: how many differ, and by what shares of them in all."""
+        wanted = tone_settings(settings)
+        shares = []
+        for name in sorted(set(wanted) | set(self.settings)):
+            ours, theirs = self.settings.get(name), wanted.get(name)
+            if ours == theirs:
+                continue
+            if isinstance(ours, (int, float)) and isinstance(theirs, (int, float)):
+                shares.append(abs(ours - theirs) / max(abs(ours), abs(theirs)))
+            else:
+                shares.append(1.0)
+        return len(shares), sum(shares)
+
     def as_dict(self) -> dict[str, Any]:
         """JSON-ready."""
         return {"settings": self.settings, "reflectance": self.reflectance, "source": self.source}

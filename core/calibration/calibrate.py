@@ -55,7 +55,7 @@ def shipped_table(settings: PrintSettings) -> ToneTable | None:
     """Of the tables that come with the program the one for this pattern that fits best; None if there is none."""
     tables = [read_table(path) for path in sorted(SHIPPED.glob("*.json"))]
     tables = [table for table in tables if table.about.settings.get("pattern") == settings.pattern]
-    return min(tables, key=lambda table: len(table.about.differences(settings)), default=None)
+    return min(tables, key=lambda table: table.about.distance(settings), default=None)
 
 
 def _looked_up(ways: FloatArray, slants: FloatArray, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:
