@@ -107,7 +107,7 @@ def job_of(name: str) -> tuple[Any, Any]:
     if name == "1,600 layers":
         points, faces = bumpy_sphere(6)
         points = scaled(points, 149.9) * (0.25, 0.25, 1.0)
-        return surface(points, faces, picture()), settings_of(PrintSettings(), 0.1)
+        return surface(points, faces, picture()), settings_of(PrintSettings(), 0.0937)  # the printer is 150 mm high
     if name == "texture 8192²":
         points, faces = bumpy_sphere(6)
         return surface(scaled(points, 100.0), faces, np.tile(picture(), (4, 4))), PrintSettings()
