@@ -67,7 +67,8 @@ def row(preset: str, slant: float) -> str:
     for way in ("none", settings.calibration):
         wanted, seen, unsure = reading(settings.changed({"calibration": way}), slant)
         error[way] = float(np.sqrt(((seen - wanted) ** 2).mean()))
-        back[way] = max(float(np.diff(seen).max()), 0.0)  # the gradient falls
+        falls = np.diff(wanted) < 0
+        back[way] = max(float(np.diff(seen)[falls].max()), 0.0)
         noise = max(noise, unsure)
     plain, made = error["none"], error[settings.calibration]
     steps = f"{back['none']:.3f} | {back[settings.calibration]:.3f}"
