@@ -116,8 +116,10 @@ def test_four_corners_are_taken_to_the_square_and_back(shifts):
 
 @pytest.mark.parametrize("turn", range(4))
 def test_marks_are_found_however_the_tile_lies(tmp_path, turn):
-    corners = np.roll(TILTED, turn, axis=0)
-    photo = read_photograph(photo_of(tmp_path, corners=corners, contrast=0.2))
+    corners, shape = TILTED, SHAPE
+    for _ in range(turn):
+        corners, shape = np.stack([shape[0] - corners[:, 1], corners[:, 0]], axis=1), shape[::-1]
+    photo = read_photograph(photo_of(tmp_path, corners=corners, shape=shape, contrast=0.2))
     assert find_marks(photo, DEFAULT) == pytest.approx(marks_in(corners), abs=1.5)
 
 

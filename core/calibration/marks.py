@@ -20,8 +20,10 @@ from .photograph import Photograph
 from .step_wedge import MARKS, patch_tones, patches, quarter_tones
 
 _LONG_SIDE = 900  # pixels in which marks are looked for
-_SIGMAS = (2.5, 4.0, 6.5, 10.0)  # of these pixels
-_CANDIDATES = 16
+_SIGMAS = (2.5, 3.2, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5)  # of these pixels
+_CANDIDATES = 22
+_PROPORTIONS = (1.2, 5.0)  # of the rectangle between the marks, which is 2.5 wide, and however it is seen
+_MOST_CONVERGENT = 2.0  # how much longer than the opposite side a side may look
 _DARKEST = 3e-3  # linear; an eight-bit picture knows nothing of what is below
 _LEAST_SIMILAR = 0.8
 _LEAST_SHARE = 0.01  # of the picture that the wedge fills
@@ -184,6 +186,8 @@ def _saddles(light: FloatArray) -> FloatArray:
     down = light[2:, 1:-1] - 2 * light[1:-1, 1:-1] + light[:-2, 1:-1]
     both = (light[2:, 2:] - light[2:, :-2] - light[:-2, 2:] + light[:-2, :-2]) / 4
     strength = both * both - across * down
+    # Steeper one way than the other: a bump on an edge.
+    strength[(across + down) ** 2 > 4 * strength] = 0.0
     row, column = np.nonzero(_is_peak(strength))
     strongest = np.argsort(strength[row + 1, column + 1], kind="stable")[::-1][:_CANDIDATES]
     return np.asarray(np.stack([column[strongest], row[strongest]], axis=1) + 2.0)
@@ -198,14 +202,20 @@ def _is_peak(values: FloatArray) -> BoolArray:
 
 
 def _quadrilaterals(points: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """(K, 4, 2) all that four of the points make, clockwise, from each of their corners on."""
+    """(K, 4, 2) what four of the points make and may be the marks: clockwise, the upper left one first."""
     chosen: IntArray = np.array(list(combinations(range(len(points)), 4)), dtype=np.int64).reshape(-1, 4)
     quads = points[chosen]
     from_middle = quads - quads.mean(axis=1, keepdims=True)
     around = np.argsort(np.arctan2(from_middle[..., 1], from_middle[..., 0]), axis=1)
     quads = np.take_along_axis(quads, around[..., None], axis=1)
     quads = quads[is_clockwise(quads) & (_area(quads) > _LEAST_SHARE * shape[0] * shape[1])]
-    return np.concatenate([np.roll(quads, -turn, axis=1) for turn in range(4)])
+    quads = np.concatenate([np.roll(quads, -turn, axis=1) for turn in range(4)])
+    top, right, bottom, left = np.linalg.norm(np.roll(quads, -1, axis=1) - quads, axis=2).T
+    wide = (top + bottom) / (left + right)
+    is_seen_so = (wide > _PROPORTIONS[0]) & (wide < _PROPORTIONS[1])
+    for one, other in ((top, bottom), (left, right)):
+        is_seen_so &= (one < _MOST_CONVERGENT * other) & (other < _MOST_CONVERGENT * one)
+    return np.asarray(quads[is_seen_so])
 
 
 def _area(quads: FloatArray) -> FloatArray:
