@@ -20,6 +20,7 @@ from ..core.texture.decode import LUMINANCE
 from ..core.texture.grade import Grade
 from .job import JobOperator, Steps
 from .unwrap import has_mesh
+from .viewing import show_pictures
 
 
 class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
@@ -88,15 +89,19 @@ class DUALCOLOR_OT_grey_from_color(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Make the grey picture and choose it."""
-        group = context.object.dualcolor
+        """Make the grey picture, print it and show it."""
+        obj = context.object
+        former = picture_of(obj)
         grade = Grade(tuple(self.mix), self.black, self.white, self.gamma, self.auto_contrast)
         try:
-            group.image = grey_picture(picture_of(context.object), grade)
+            made = grey_picture(former, grade)
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Printing {group.image.name}")
+        former.use_fake_user = True  # nothing else may hold it from here on
+        exchange_picture(obj, former, made)
+        show_pictures(context)
+        self.report({"INFO"}, f"Printing {made.name}")
         return {"FINISHED"}
 
 

@@ -103,7 +103,8 @@ def test_grey_picture_is_printed_instead_of_the_coloured_one(registered):
     assert bpy.ops.dualcolor.grey_from_color(mix=(1, 0, 0), auto_contrast=False) == {"FINISHED"}
     made = box.dualcolor.image
     assert made != image and list(made.pixels[:4]) == [1, 1, 1, 1]
-    assert list(image.pixels[:4]) == [1, 0, 0, 1]
+    assert list(image.pixels[:4]) == [1, 0, 0, 1] and image.use_fake_user
+    assert {node.image for node in box.active_material.node_tree.nodes if node.type == "TEX_IMAGE"} == {made}
 
 
 def test_unwrapping_fills_the_square_and_keeps_the_old_map(registered):
