@@ -69,7 +69,7 @@ def test_spacing_is_bounded_on_random_solids(seed, wavelength):
     """The bounds do not depend on how good the plan is: a rough one, which is quick, puts them to a harder test."""
     chosen = PrintSettings(wavelength=wavelength, **PAPER)
     lines = lines_of(random_solid(seed), chosen)
-    with patch.multiple("dualcolor.core.pattern.wave_plan", SPAN_STEPS=30, STEPS=20):
+    with patch.multiple("dualcolor.core.pattern.wave_plan", SPANS=((4, 6, 30),), STEPS=20):
         for samples in both(lines, chosen)[:2]:
             assert_bounds(lines, samples, chosen)
 

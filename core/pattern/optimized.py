@@ -31,9 +31,9 @@ from .whole_waves import Phase, rounded
 
 # The plan is made on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
-# Rounds and steps of the fit on the coarse and on the fine grid.
-COARSE_FIT = (6, 20)
-FINE_FIT = (4, 6)
+# Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each.
+COARSE_FIT = (8, 2, 20)
+FINE_FIT = (2, 0, 8)
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
 # What nobody sees still counts by this much.
@@ -63,7 +63,7 @@ def optimized_samples(
     phase = Phase(phase.at(*on_grid(coarse, lines, fine), coarse), phase.turns)
     phase = PhaseFit(fine, phase, _at_nodes(weight, lines, fine), settings).solved(*FINE_FIT)
     samples = Samples.on(lines, bounded(lines, *whole_phases(fine, phase), settings))
-    return polished(lines, fine, projector, samples, weight, settings)
+    return polished(lines, fine, samples, weight, settings)
 
 
 def _at_nodes(weight: FloatArray, lines: Contours, grid: PhaseGrid) -> FloatArray:

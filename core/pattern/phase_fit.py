@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import FloatArray, IntArray
+from ..model import FloatArray
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
 from .whole_waves import Phase
@@ -25,8 +25,6 @@ SOFT, HARD = 0.02, 20.0
 MARGIN = 0.01
 # Sliding of a wave's share that begins to be seen, and that only a birth or a death can cause.
 VISIBLE, BROKEN = 0.1, 0.2
-# Rounds without and with those weights.
-PLAIN_ROUNDS = 2
 CONVERGED = 1e-8
 
 
@@ -43,72 +41,93 @@ class PhaseFit:
             settings: the wavelength is used.
         """
         self.grid, self.turns = grid, phase.turns
-        self.node = np.flatnonzero(grid.linked)
-        self.low: IntArray = grid.low[self.node]
-        self.high: IntArray = grid.high[self.node]
-        self.share = grid.share[self.node]
+        filled = grid.start[1:] > grid.start[:-1]
+        self.first, self.last = grid.start[:-1][filled], grid.start[1:][filled] - 1
+        self.share, linked = grid.share, grid.linked
         self.wraps = grid.seam * phase.turns[grid.loop]
-        wrapped = self.share * self.wraps[self.low]
+        wrapped = self.share * self.wraps[grid.low]
         self.value = phase.value.copy()
-        here = self._link(self.value) + wrapped
-        self.offset = np.rint(here) - wrapped
+        self.offset = np.rint(self._link(self.value, self._rise(self.value)) + wrapped) - wrapped
         reach = (grid.length + grid.length[grid.behind]) / 2
         usual = float(np.median(reach)) if len(reach) else 1.0
-        self.weight = (weight * np.clip(reach / usual, 0.05, 3.0))[self.node]
+        self.weight = weight * np.clip(reach / usual, 0.05, 3.0) * linked
         self.least = grid.length / (2 * settings.wavelength) * (1 + MARGIN)
         self.most = grid.length / settings.wavelength * (1 - MARGIN)
         self.target = grid.length / (settings.wavelength * np.sqrt(2))
         self.stiffness = (settings.wavelength / np.maximum(grid.length, 1e-9)) ** 2
 
-    def solved(self, rounds: int, steps: int) -> Phase:
-        """The fitted phase after so many rounds of at most so many steps of conjugate gradients."""
+    def solved(self, rounds: int, plain: int, steps: int) -> Phase:
+        """The fitted phase after so many rounds of at most so many steps of conjugate gradients.
+
+        In the first `plain` rounds all sliding weighs the same.
+        """
         for number in range(rounds):
-            waves = self._rise(self.value) + self.wraps
-            slide = self._link(self.value) - self.offset
-            target = np.clip(waves, self.least, self.most)
+            rise = self._rise(self.value)
+            waves = rise + self.wraps
+            slide = self._link(self.value, rise) - self.offset
+            target = np.minimum(np.maximum(waves, self.least), self.most)
             inside = target == waves
             edge = np.where(inside, SOFT, HARD) * self.stiffness
             target = np.where(inside, self.target, target)
             link = self.weight
-            if number >= PLAIN_ROUNDS:
-                link = link * (1 + (slide / VISIBLE) ** 2) / (1 + (slide / BROKEN) ** 6)
+            if number >= plain:
+                square = slide**2
+                link = link * (1 + square / VISIBLE**2) / (1 + square**3 / BROKEN**6)
             self.value = self.value + self._step(edge, link, edge * (target - waves), -link * slide, steps)
         return Phase(self.value, self.turns)
 
     def _rise(self, value: FloatArray) -> FloatArray:
-        return np.asarray(value[self.grid.ahead] - value)
+        """From each node to the next."""
+        rise = np.empty_like(value)
+        np.subtract(value[1:], value[:-1], out=rise[:-1])
+        rise[self.last] = value[self.first] - value[self.last]
+        return rise
 
-    def _link(self, value: FloatArray) -> FloatArray:
-        return np.asarray(value[self.low] * (1 - self.share) + value[self.high] * self.share - value[self.node])
+    def _link(self, value: FloatArray, rise: FloatArray) -> FloatArray:
+        """From each node to its image."""
+        link = rise.take(self.grid.low)
+        link *= self.share
+        link += value.take(self.grid.low)
+        link -= value
+        return link
 
     def _transposed(self, rise: FloatArray, link: FloatArray) -> FloatArray:
         size = len(self.value)
-        out = rise[self.grid.behind] - rise
-        out += np.bincount(self.low, link * (1 - self.share), size) + np.bincount(self.high, link * self.share, size)
-        out[self.node] -= link
-        return np.asarray(out)
+        rise = rise + np.bincount(self.grid.low, link * self.share, size)
+        out: FloatArray = np.asarray(np.bincount(self.grid.low, link, size), dtype=float)
+        out -= link
+        out -= rise
+        out[1:] += rise[:-1]
+        # What comes over a contour's beginning is that of its own last node, not of the contour before.
+        out[self.first[1:]] -= rise[self.first[1:] - 1]
+        out[self.first] += rise[self.last]
+        return out
 
     def _step(
         self, edge: FloatArray, link: FloatArray, edge_side: FloatArray, link_side: FloatArray, steps: int
     ) -> FloatArray:
         """Conjugate gradients on the normal equations of one round."""
         size = len(self.value)
-        own = np.zeros(size)
-        own[self.node] = link
-        diagonal = edge + edge[self.grid.behind] + own + np.bincount(self.low, link * (1 - self.share) ** 2, size)
-        diagonal = diagonal + np.bincount(self.high, link * self.share**2, size)
+        high = link * self.share
+        diagonal = edge + edge[self.grid.behind] + link
+        diagonal += np.bincount(self.grid.low, link * (1 - self.share) ** 2, size)
+        diagonal += np.bincount(self.grid.low, high * self.share, size)[self.grid.behind]
         residual = self._transposed(edge_side, link_side)
-        change, scaled = np.zeros(size), residual / diagonal
-        direction, squared = scaled, float(residual @ scaled)
+        inverse = 1 / diagonal
+        change, direction = np.zeros(size), residual * inverse
+        squared = float(residual @ direction)
         enough = CONVERGED * squared
         for _ in range(steps):
             if squared <= enough:
                 break
-            product = self._transposed(edge * self._rise(direction), link * self._link(direction))
+            rise = self._rise(direction)
+            product = self._transposed(edge * rise, link * self._link(direction, rise))
             length = squared / float(direction @ product)
             change += length * direction
-            residual = residual - length * product
-            scaled = residual / diagonal
+            product *= length
+            residual -= product
+            scaled = residual * inverse
             before, squared = squared, float(residual @ scaled)
-            direction = scaled + squared / before * direction
+            direction *= squared / before
+            direction += scaled
         return change

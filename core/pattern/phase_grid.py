@@ -18,8 +18,10 @@ from ..slicing.outlines import following, preceding, ranges, starts
 from .contours import Contours, long_enough, loop_of
 from .sampling import Projector
 
-# Every so many contour points are projected, and all between them where the surface is torn.
+# Every so many contour points are projected, and all between them where the surface is torn; every so many of these
+# are searched on the whole layer above, the others near where their neighbours' images are.
 STATION_STRIDE = 3
+SEARCHED = 4
 # Neighbours whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
 
@@ -147,9 +149,10 @@ def phase_grid(lines: Contours, projector: Projector, settings: PrintSettings) -
     stride = np.minimum(STATION_STRIDE, np.maximum(count // 4, 1))[loop]
     chosen = (local % stride == 0) & usable[loop]
     above = np.full(len(lines.arc), np.nan)
-    above[chosen] = _images(lines, projector, np.flatnonzero(chosen), usable)
     node = np.flatnonzero(chosen)
     tear = TEAR * settings.wavelength
+    searched = local[node] % (SEARCHED * stride[node]) == 0
+    above[node] = _followed_images(lines, projector, node, searched, usable, tear)
     torn = np.isnan(_steps(lines, lines.arc[node], loop[node], above[node], tear))
     owner = np.cumsum(chosen) - 1
     between = np.flatnonzero(usable[loop] & ~chosen & torn[np.maximum(owner, 0)])
@@ -158,6 +161,33 @@ def phase_grid(lines: Contours, projector: Projector, settings: PrintSettings) -
     node = np.flatnonzero(chosen)
     step = _steps(lines, lines.arc[node], loop[node], above[node], tear)
     return _grid(lines, lines.arc[node], loop[node], above[node], step)
+
+
+def _followed_images(
+    lines: Contours, projector: Projector, node: IntArray, searched: BoolArray, usable: BoolArray, tear: float
+) -> FloatArray:
+    """Images of contour points, of which some, the first of each contour among them, are searched on the whole layer.
+
+    Where neighbours of these have neighbouring images, those of the points between them lie near the line between.
+    """
+    above = np.full(len(node), np.nan)
+    above[searched] = image = _images(lines, projector, node[searched], usable)
+    arc, loop = lines.arc[node[searched]], lines.loop[node[searched]]
+    step = _steps(lines, arc, loop, image, tear)
+    owner = np.cumsum(searched) - 1
+    smooth = ~np.isnan(step)[owner]
+    near = np.flatnonzero(~searched & smooth)
+    others = np.flatnonzero(~searched & ~smooth)
+    above[others] = _images(lines, projector, node[others], usable)
+    at, owner = node[near], owner[near]
+    ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
+    length = np.mod(arc[ahead] - arc, lines.length[loop])
+    up = loop_of(lines, image[owner])
+    way = image[owner] + step[owner] * (lines.arc[at] - arc[owner]) / length[owner] - lines.arc_start[up]
+    guess = lines.arc_start[up] + np.mod(way, lines.length[up])
+    place, distance = projector.nearby(lines.points[at], guess)
+    above[near] = np.where(distance <= projector.threshold, place, np.nan)
+    return above
 
 
 def _images(lines: Contours, projector: Projector, point: IntArray, usable: BoolArray) -> FloatArray:

@@ -53,6 +53,7 @@ class Projector:
         reach = threshold + float(step.max(initial=0.0)) / 2
         self.grid = PointGrid(lines.points, lines.layer[self.loop], reach / 2)
         ahead = following(lines.start)
+        self.ahead = ahead
         self.behind = np.empty_like(ahead)
         self.behind[ahead] = np.arange(len(ahead))
         self.along = lines.points[ahead] - lines.points
@@ -85,6 +86,22 @@ class Projector:
             arc[asked], distance[asked] = place[nearer, row], gap[nearer, row]
         distance[distance > self.threshold] = np.inf
         return arc, distance
+
+    def nearby(self, query: FloatArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The nearest place to each query point (Q, 2) within about a point's distance of a guessed one (Q,).
+
+        Returns:
+            (Q,) arc and (Q,) distance in mm.
+        """
+        point = np.searchsorted(self.lines.arc, guess, side="right") - 1
+        ahead = self.ahead[point]
+        window = np.stack([self.behind[point], point, ahead, self.ahead[ahead]])
+        away = self.lines.points[window] - query
+        squared = away[..., 0] ** 2 + away[..., 1] ** 2
+        point = window[np.argmin(squared, axis=0), np.arange(len(query))]
+        place, gap = self._on_segments(query, np.stack([point, self.behind[point]]))
+        nearer = gap[1] < gap[0]
+        return np.where(nearer, place[1], place[0]), np.where(nearer, gap[1], gap[0])
 
     def _nearest_points(self, query: FloatArray, layer: IntArray) -> tuple[IntArray, IntArray]:
         """The nearest contour point of queries that have any within reach, and which queries these are."""

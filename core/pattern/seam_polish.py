@@ -21,17 +21,17 @@ from ..settings import PrintSettings
 from ..slicing.outlines import following, preceding
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid
-from .sampling import Projector, Samples
+from .sampling import Samples
 from .spacing import bounded, pushed
 
-STEPS = 16
+STEPS = 12
 PUSHES = 4
 # Error from which a place counts as part of a seam, and how many samples around it may move.
-SEAM, AROUND = 0.2, 6
+SEAM, AROUND = 0.2, 3
 HALF_SEEN = 0.8
 UNSEEN_COST = 0.1
 # Share of the Gauss-Newton step that is gone, its greatest length in wavelengths, and what damps it, 1/mm².
-RATE, LONGEST, DAMPING = 0.4, 0.04, 2.0
+RATE, LONGEST, DAMPING = 0.25, 0.04, 2.0
 VISIBLE = 0.5
 
 
@@ -86,7 +86,6 @@ class _Waves:
 def polished(
     lines: Contours,
     grid: PhaseGrid,
-    projector: Projector,
     samples: Samples,
     weight: FloatArray,
     settings: PrintSettings,
@@ -96,7 +95,6 @@ def polished(
     Args:
         lines: contours of all layers.
         grid: the fine grid on them.
-        projector: made for the same contours.
         samples: at least one on each contour that the grid knows.
         weight: (N,) how much a seam at each contour point matters.
         settings: the wavelength is used.
@@ -107,7 +105,7 @@ def polished(
         return samples
     # Only where everything that a sample shapes is among the pairs.
     free = near & near[waves.behind]
-    lower, upper, importance = _pairs(lines, projector, waves, point, free, weight)
+    lower, upper, importance = _pairs(lines, grid, waves, point, free, weight)
     best, best_place = np.inf, waves.place
     for step in range(STEPS + 1):
         lower, upper = waves.followed(lower), waves.followed(upper)
@@ -143,15 +141,14 @@ def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves) -> tuple[BoolAr
 
 
 def _pairs(
-    lines: Contours, projector: Projector, waves: _Waves, point: IntArray, free: BoolArray, weight: FloatArray
+    lines: Contours, grid: PhaseGrid, waves: _Waves, point: IntArray, free: BoolArray, weight: FloatArray
 ) -> tuple[_Located, _Located, FloatArray]:
     """Contour points and their images among the samples, and how much each counts; those that a free sample shapes."""
-    layer = lines.layer[lines.loop[point]]
-    point = point[layer < lines.layer.max(initial=0)]
-    arc, distance = projector.project(lines.points[point], lines.layer[lines.loop[point]] + 1)
+    arc = grid.carried(lines, lines.arc[point], np.ones(len(point), dtype=bool))
+    found = np.flatnonzero(~np.isnan(arc))
+    found = found[np.diff(waves.start)[loop_of(lines, arc[found])] > 0]
+    point, arc = point[found], arc[found]
     up = loop_of(lines, arc)
-    found = np.isfinite(distance) & (np.diff(waves.start)[up] > 0)
-    point, arc, up = point[found], arc[found], up[found]
     own = lines.loop[point]
     low = waves.locate(lines.arc[point] - lines.arc_start[own], own)
     high = waves.locate(arc - lines.arc_start[up], up)
@@ -160,25 +157,29 @@ def _pairs(
     return (
         _Located(low.before[some], low.place[some], low.share[some], low.gap[some]),
         _Located(high.before[some], high.place[some], high.share[some], high.gap[some]),
-        weight[point[some]],
+        weight[point[some]].astype(np.float32),
     )
 
 
 def _descent(waves: _Waves, low: _Located, high: _Located, importance: FloatArray) -> tuple[FloatArray, float]:
     """How far each sample should move, mm, and how much is seen now."""
     size = len(waves.place)
-    turn, high_turn = 2 * np.pi * low.share, 2 * np.pi * high.share
+    # Single precision is plenty for which way to go, and its sines are cheap.
+    full = np.float32(2 * np.pi)
+    share, high_share = low.share.astype(np.float32), high.share.astype(np.float32)
+    turn, high_turn = full * share, full * high_share
     difference = np.cos(turn) - np.cos(high_turn)
     error = difference**2
-    seen = float(importance[error >= VISIBLE].sum())
+    seen = float(importance[error >= VISIBLE].sum(dtype=float))
     slope = 2 * importance * (2 * HALF_SEEN**2 * error / (error**2 + HALF_SEEN**2) ** 2 + UNSEEN_COST)
     pull, stiffness = np.zeros(size), np.zeros(size)
-    for place, rise in ((low, 2 * np.pi * np.sin(turn) / low.gap), (high, -2 * np.pi * np.sin(high_turn) / high.gap)):
-        for sample, by_place in (
-            (place.before, rise * (1 - place.share)),
-            (waves.ahead[place.before], rise * place.share),
-        ):
-            weighted = slope * by_place
-            pull += np.bincount(sample, weighted * difference, size)
-            stiffness += np.bincount(sample, weighted * by_place, size)
+    for place, part, rise in ((low, share, np.sin(turn)), (high, high_share, -np.sin(high_turn))):
+        rise *= full / place.gap.astype(np.float32)
+        ahead, before = rise * part, rise - rise * part
+        weighted = slope * ahead
+        pull += np.bincount(place.before, weighted * difference, size)[waves.behind]
+        stiffness += np.bincount(place.before, weighted * ahead, size)[waves.behind]
+        weighted = slope * before
+        pull += np.bincount(place.before, weighted * difference, size)
+        stiffness += np.bincount(place.before, weighted * before, size)
     return -RATE * pull / (stiffness + DAMPING), seen

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import following, preceding, ranges, starts
+from ..slicing.outlines import following, ranges, starts
 from .contours import Contours, long_enough, on_loop
 
 # Spacings are compared with this slack, mm, so that rounding does not prune an exact fit.
@@ -129,15 +129,30 @@ def pushed(
     local: FloatArray, loop: IntArray, start: IntArray, length: FloatArray, least: float, times: int
 ) -> FloatArray:
     """Samples in order on closed contours; neighbours too close or too far apart are moved, at most so often."""
-    ahead, behind = following(start), preceding(start)
-    around = np.where(ahead <= np.arange(len(ahead)), length[loop], 0.0)
+    filled = start[1:] > start[:-1]
+    first, last = start[:-1][filled], start[1:][filled] - 1
     low, high = least * (1 + INSIDE), 2 * least * (1 - INSIDE)
-    for _ in range(times):
-        gap = local[ahead] - local + around
-        wrong = np.clip(gap, low, high) - gap
-        if not wrong.any():
+    local = local.copy()
+    gap = np.empty_like(local)
+    for number in range(times):
+        np.subtract(local[1:], local[:-1], out=gap[:-1])
+        gap[last] = local[first] + length[filled] - local[last]
+        wrong = np.minimum(np.maximum(gap, low), high)
+        wrong -= gap
+        amiss = np.bincount(loop, wrong != 0, len(filled)) > 0
+        if not amiss.any():
             break
-        local = local + (wrong[behind] - wrong) / 2
+        some = np.flatnonzero(amiss[loop])
+        if 4 * len(some) < 3 * len(loop):
+            # What a contour's samples do to each other concerns no other contour.
+            begin = starts(np.where(amiss, np.diff(start), 0))
+            local[some] = pushed(local[some], loop[some], begin, length, least, times - number)
+            break
+        wrong *= 0.5
+        local -= wrong
+        local[1:] += wrong[:-1]
+        local[first[1:]] -= wrong[first[1:] - 1]
+        local[first] += wrong[last]
     return local
 
 

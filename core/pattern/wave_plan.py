@@ -15,7 +15,8 @@ the fewest births and deaths that the bounds on the spacing allow, all layers to
 here and rounded in `whole_waves.py`. Torn edges owe nothing. The sum of g is held at what the usual spacing λ√2 asks
 for. It is a convex problem, solved by the primal-dual method of Chambolle and Pock (2011) with their diagonal
 preconditioning (Pock, Chambolle 2011) and over-relaxation; a step is linear in the number of nodes. Most of the way is
-gone on a grid of every fourth layer, whose plan, prices of births and deaths included, is where that of all starts.
+gone on grids of every sixteenth and every fourth layer, whose plan, prices of births and deaths included, is where that
+of all starts.
 """
 
 from __future__ import annotations
@@ -29,10 +30,13 @@ from ..settings import PrintSettings
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, on_grid
 
-# Steps on the grid of every so many layers, on which most of the way is gone, and on that of all layers.
-SPAN, SPAN_STRIDE, SPAN_STEPS = 4, 6, 400
-STEPS = 100
+# Grids of every so many layers, every so many nodes and the steps on each; last that of all layers.
+SPANS = ((16, 8, 100), (4, 6, 100))
+STEPS = 60
 OVER_RELAXATION = 1.8
+# Steps of the waves and slides are so much shorter than the diagonal asks for, those of the prices so much longer:
+# far-reaching changes of a few prices are what takes the time.
+PRIMAL_SHARE = 0.1
 # How far the waves may slide from a layer to the next, in waves, and what sliding and uneven spacing cost.
 SLIDE = 0.02
 SLIDE_COST = 0.2
@@ -70,13 +74,16 @@ class _Curl:
         self.ahead: IntArray = grid.ahead[self.cell]
 
     def __call__(self, waves: FloatArray, slide: FloatArray) -> FloatArray:
-        above = np.add.reduceat(self.weight * waves[self.edge], self.start[:-1])
-        return np.asarray(above - waves[self.cell] - slide[self.ahead] + slide[self.cell])
+        above = np.add.reduceat(self.weight * waves.take(self.edge), self.start[:-1])
+        above -= waves.take(self.cell)
+        above -= slide.take(self.ahead)
+        above += slide.take(self.cell)
+        return np.asarray(above)
 
     def transposed(self, dual: FloatArray) -> tuple[FloatArray, FloatArray]:
         here, ahead = np.zeros(self.size), np.zeros(self.size)
         here[self.cell], ahead[self.ahead] = dual, dual
-        return np.bincount(self.edge, self.weight * dual[self.owner], self.size) - here, here - ahead
+        return np.bincount(self.edge, self.weight * dual.take(self.owner), self.size) - here, here - ahead
 
     def row_sums(self) -> FloatArray:
         """Sums of the magnitudes of each row."""
@@ -100,22 +107,29 @@ def planned(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, weight: FloatArra
         weight: (K,) what a birth or a death above the edge from each node costs, 1 as a rule.
         settings: the wavelength is used.
     """
-    span = fine.spanning(lines, SPAN, SPAN_STRIDE)
-    usual = span.length / (settings.wavelength * np.sqrt(2))
-    none = np.zeros(len(span.arc))
-    node, _ = on_grid(grid, lines, span)
-    plan = _solved(span, weight[node], WavePlan(usual, none, none, 0.0), SPAN * SLIDE, SPAN_STEPS, settings)
-    return _solved(grid, weight, _taken_over(lines, fine, grid, span, plan), SLIDE, STEPS, settings)
+    grids = [(fine.spanning(lines, layers, stride), layers) for layers, stride, _ in SPANS] + [(grid, 1)]
+    first = grids[0][0]
+    none = np.zeros(len(first.arc))
+    plan = WavePlan(first.length / (settings.wavelength * np.sqrt(2)), none, none, 0.0)
+    for number, (span, layers) in enumerate(grids):
+        if number:
+            plan = _taken_over(lines, fine, span, layers, *grids[number - 1], plan)
+        node, _ = on_grid(grid, lines, span)
+        steps = SPANS[number][2] if number < len(SPANS) else STEPS
+        plan = _solved(span, weight[node], plan, layers * SLIDE, steps, settings)
+    return plan
 
 
-def _taken_over(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, span: PhaseGrid, plan: WavePlan) -> WavePlan:
-    """The plan of every so many layers as a first guess for the plan of all."""
+def _taken_over(
+    lines: Contours, fine: PhaseGrid, grid: PhaseGrid, layers: int, span: PhaseGrid, spanned: int, plan: WavePlan
+) -> WavePlan:
+    """The plan on a grid of every `spanned` layers as a first guess for that on a grid of every `layers`."""
     if not len(span.arc):
         usual = np.zeros(len(grid.arc))
         return WavePlan(usual, usual, usual, plan.level)
-    left = (int(lines.layer.max(initial=0)) - lines.layer[grid.loop]) % SPAN
+    left = (int(lines.layer.max(initial=0)) - lines.layer[grid.loop]) % spanned
     place, between = grid.arc, left > 0
-    for _ in range(SPAN - 1):
+    for _ in range(spanned - 1):
         place = fine.carried(lines, place, left > 0)
         left = left - 1
     known = ~np.isnan(place)
@@ -131,7 +145,7 @@ def _taken_over(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, span: PhaseGr
     usual = plan.waves.sum() / span.length.sum()
     return WavePlan(
         waves=grid.length * np.where(known, density, usual),
-        slide=np.where(known, plan.slide[node] / SPAN, 0.0),
+        slide=np.where(known, plan.slide[node] * layers / spanned, 0.0),
         price=np.where(known, price, 0.0),
         level=plan.level,
     )
@@ -144,32 +158,41 @@ def _solved(
     least = grid.length / (2 * settings.wavelength) * (1 + MARGIN)
     most = grid.length / settings.wavelength * (1 - MARGIN)
     usual = grid.length / (settings.wavelength * np.sqrt(2))
-    waves, slide, level = np.clip(first.waves, least, most), first.slide, first.level
+    waves, slide, level = np.clip(first.waves, least, most), first.slide.copy(), first.level
     curl = _Curl(grid)
     if not len(curl.cell):
         return WavePlan(usual, slide, np.zeros(len(usual)), level)
     bound = weight[curl.cell]
-    dual_step = 1 / curl.row_sums()
+    dual_step = 1 / curl.row_sums() / PRIMAL_SHARE
     by_waves, by_slide = curl.column_sums()
     # One more row holds the number of all waves, so that the mean spacing stays what it should be.
-    waves_step, slide_step = 1 / (by_waves + 1), 1 / np.maximum(by_slide, 1)
+    waves_step, slide_step = PRIMAL_SHARE / (by_waves + 1), PRIMAL_SHARE / np.maximum(by_slide, 1)
     dual, total, uneven = first.price[curl.cell], float(usual.sum()), UNEVEN_COST / usual
+    keep = 1 / (1 + waves_step * uneven)
+    waves_step, slide_keep = waves_step * keep, 1 / (1 + slide_step * SLIDE_COST)
+    slide_step = slide_step * slide_keep
     value = curl(waves, slide)
     for number in range(steps):
         pull_waves, pull_slide = curl.transposed(dual)
-        new_waves = waves - waves_step * (pull_waves + level - uneven * usual)
-        new_waves = np.clip(new_waves / (1 + waves_step * uneven), least, most)
-        new_slide = (slide - slide_step * pull_slide) / (1 + slide_step * SLIDE_COST)
-        new_slide = np.clip(new_slide, -most_slide, most_slide)
+        pull_waves += level - UNEVEN_COST
+        new_waves = keep * waves
+        new_waves -= np.multiply(waves_step, pull_waves, out=pull_waves)
+        np.minimum(np.maximum(new_waves, least, out=new_waves), most, out=new_waves)
+        new_slide = slide_keep * slide
+        new_slide -= np.multiply(slide_step, pull_slide, out=pull_slide)
+        np.minimum(np.maximum(new_slide, -most_slide, out=new_slide), most_slide, out=new_slide)
         new_value = curl(new_waves, new_slide)
-        new_dual = np.clip(dual + dual_step * (2 * new_value - value), -bound, bound)
+        new_dual = 2 * new_value
+        new_dual -= value
+        new_dual *= dual_step
+        new_dual += dual
+        np.minimum(np.maximum(new_dual, -bound, out=new_dual), bound, out=new_dual)
         if number % 20 == 19 and max(_moved(new_waves, waves), _moved(new_dual, dual)) < SETTLED:
             break
-        level += OVER_RELAXATION * (2 * float(new_waves.sum()) - float(waves.sum()) - total) / len(waves)
-        waves = waves + OVER_RELAXATION * (new_waves - waves)
-        slide = slide + OVER_RELAXATION * (new_slide - slide)
-        dual = dual + OVER_RELAXATION * (new_dual - dual)
-        value = value + OVER_RELAXATION * (new_value - value)
+        level += OVER_RELAXATION / PRIMAL_SHARE * (2 * float(new_waves.sum()) - float(waves.sum()) - total) / len(waves)
+        for old, new in ((waves, new_waves), (slide, new_slide), (dual, new_dual), (value, new_value)):
+            old *= 1 - OVER_RELAXATION
+            old += OVER_RELAXATION * new
     price = np.zeros(len(usual))
     price[curl.cell] = new_dual
     return WavePlan(new_waves, new_slide, price, level)

@@ -1,15 +1,19 @@
 """Whole numbers of waves: where waves begin and end, rounded from a plan of fractions, layer by layer from below.
 
 What the layer below hands up is the phase itself; what it lacks against the plan, D, is carried along. D is free up to
-a whole number everywhere. It is taken as continuous along the contour, and where it strays from its mean around the
-loop by more than `STRAY` of a wave, a wave begins at one end of that stretch and one ends at the other; where the two
-ends are one and the same, around the loop, its number of waves changes. Smoothing D along the contour in each layer is
-the relaxation of the paper.
+a whole number everywhere. It is taken as continuous along the contour, and where it strays too far from its mean around
+the loop, a wave begins at one end of that stretch and one ends at the other; where the two ends are one and the same,
+around the loop, its number of waves changes. A contour that would have too many or too few waves for the bounds on the
+spacing loses or gets one where D strays least with it. Smoothing D along the contour in each layer is the relaxation of
+the paper.
+
+The sum of all waves is steered to that of the plan, so that the mean spacing is the one asked for.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,8 +24,12 @@ from .contours import Contours
 from .phase_grid import PhaseGrid
 from .wave_plan import WavePlan
 
-# Waves by which the phase may stray from the plan before a wave is added or dropped, and where the stretch ends.
-STRAY, STRETCH = 1.0, 0.5
+# Waves by which the phase may stray from the plan before a wave is added or dropped: a share of those around the
+# contour, from and to; the stretch that is changed ends at half of it.
+STRAY, STRAYS = 0.025, (0.6, 1.5)
+STRETCH = 0.5
+# The plan is tilted by at most so many waves a contour to steer their sum, which alone adds and drops none.
+STEERED = 0.6
 # The phase's difference from the plan is smoothed so often in each layer, and may be mended so often.
 SMOOTHINGS = 4
 MENDINGS = 3
@@ -65,100 +73,164 @@ def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, settings: PrintSet
         settings: the wavelength is used.
     """
     work = _Rounding(lines, grid, plan, settings)
-    layer = lines.layer[grid.loop]
-    cuts = np.searchsorted(layer, np.arange(int(lines.layer.max(initial=-1)) + 2))
-    for this in range(len(cuts) - 1):
-        work.layer(cuts[max(this - 1, 0)], cuts[this], cuts[this + 1])
+    cuts = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2)).tolist()
+    for begin, end in pairwise(cuts):
+        work.layer(begin, end)
     return Phase(work.plain + work.lack, work.turns.astype(np.int64))
 
 
+def _before(values: FloatArray) -> FloatArray:
+    """The sum of all values before each."""
+    return np.asarray(np.cumsum(values) - values)
+
+
+class _HandedUp:
+    """What each layer hands up to the next: entries, sorted by where they lie on the contours above.
+
+    Attributes:
+        source: (E,) int64, the node below.
+        phase: (E,) what its phase exceeds that of its image by, as planned.
+        way: (E,) how far around its contour the image lies, from -1/2 to 1/2.
+        contour: (C,) int64, the contours that get any.
+        start: (C + 1,) int64, where each one's entries start.
+        owner: (E,) int64, the place of each entry's contour among `contour`.
+        before: (K,) int64, the entry before each node around its contour; 0 on a contour that gets none.
+        after: (K,) int64, the one after it.
+        share: (K,) how far the node lies between them.
+        wrap: (K,) what the contour has more than planned comes on top by this share, where its beginning is between.
+    """
+
+    def __init__(self, grid: PhaseGrid, plan: WavePlan, plain: FloatArray, total: FloatArray) -> None:
+        # One coordinate for all contours, in which they lie one after the other with room between them.
+        offset = _before(total) + 2.0 * np.arange(len(total))
+        source = np.flatnonzero(grid.linked)
+        low = grid.low[source]
+        target = grid.loop[low]
+        above = plain[low] + grid.share[source] * plan.waves[low]
+        place = offset[target] + above
+        order = np.argsort(place, kind="stable")
+        target, place, above = target[order], place[order], above[order]
+        self.source = source[order]
+        self.phase = plain[self.source] + plan.slide[self.source] - above
+        self.way = above / np.maximum(total, 1e-9)[target] - 0.5
+        first = np.searchsorted(target, np.arange(len(total) + 1))
+        self.contour = np.flatnonzero(np.diff(first))
+        self.start = np.append(first[self.contour], len(target))
+        self.owner = np.repeat(np.arange(len(self.contour)), np.diff(self.start))
+        self._between(grid, offset[grid.loop] + plain, place, first, total[grid.loop])
+
+    def _between(
+        self, grid: PhaseGrid, where: FloatArray, place: FloatArray, first: IntArray, total: FloatArray
+    ) -> None:
+        """Find the nodes among the entries."""
+        begin, end = first[grid.loop], first[grid.loop + 1] - 1
+        known = begin <= end
+        after = np.searchsorted(place, where, side="right")
+        early, late = known & (after <= begin), known & (after > end)
+        self.before = np.where(early, end, after - 1) * known
+        self.after = np.where(late, begin, after) * known
+        if not len(place):
+            self.share = self.wrap = np.zeros(len(where))
+            return
+        low = place[self.before] - early * total
+        gap = place[self.after] + late * total - low
+        self.share = np.clip((where - low) / np.maximum(gap, 1e-9), 0.0, 1.0)
+        self.wrap = self.share * late - (1 - self.share) * early
+
+
 class _Rounding:
-    """The state of the sweep: what is known of all layers up to the present one."""
+    """The state of the sweep: what is known of all layers up to the present one.
+
+    `excess` counts the waves that these layers have more than planned, `left` those planned for the others.
+    """
 
     def __init__(self, lines: Contours, grid: PhaseGrid, plan: WavePlan, settings: PrintSettings) -> None:
         self.grid = grid
         self.fewest, self.most = feasible_turns(lines, settings)
         self.total = sums(plan.waves, grid.start)
-        counted = np.cumsum(plan.waves) - plan.waves
-        first = np.minimum(grid.start[:-1], max(len(counted) - 1, 0))
-        base = counted[first] if len(counted) else np.zeros(len(self.total))
-        self.plain = counted - base[grid.loop]
-        # One coordinate for all contours, in which those of a layer lie one after the other with room between them.
-        self.offset = base + 2.0 * np.arange(len(base))
-        self.above = self.plain[grid.low] + grid.share * plan.waves[grid.low]
-        self.place = self.offset[grid.loop[grid.low]] + self.above
-        self.handed = self.plain + plan.slide - self.above
-        self.linked = grid.linked
+        self.plain = _before(plan.waves) - _before(self.total)[grid.loop]
+        self.way = self.plain / np.maximum(self.total, 1e-9)[grid.loop]
+        self.handed = _HandedUp(grid, plan, self.plain, self.total)
+        self.stray = np.clip(STRAY * self.total, *STRAYS)[self.handed.contour][self.handed.owner]
         self.lack = np.zeros(len(grid.arc))
-        self.turns = np.zeros(len(self.total))
+        self.turns = np.clip(np.rint(self.total), self.fewest, self.most) * (np.diff(grid.start) > 0)
+        self.excess, self.left = 0.0, float(self.total.sum())
 
-    def layer(self, below: int, begin: int, end: int) -> None:
-        """Fix the phase on the nodes from `begin` to `end`; those of the layer below begin at `below`."""
-        loops = np.unique(self.grid.loop[begin:end])
-        source = below + np.flatnonzero(self.linked[below:begin])
-        source = source[np.argsort(self.place[source], kind="stable")]
-        known = self._carried(source) if len(source) else loops[:0]
-        new = np.setdiff1d(loops, known)
-        self.turns[new] = np.clip(np.rint(self.total[new]), self.fewest[new], self.most[new])
-        node = np.arange(begin, end)
-        loop = self.grid.loop[begin:end]
-        slope = np.where(self.total > 0, (self.turns - self.total) / np.maximum(self.total, 1e-9), 0.0)[loop]
-        even = self.lack[begin:end] - self.plain[begin:end] * slope
-        even[~np.isin(loop, known)] = 0.0
-        ahead, behind = self.grid.ahead[node] - begin, self.grid.behind[node] - begin
+    def layer(self, begin: int, end: int) -> None:
+        """Fix the phase on the contours from `begin` to the one before `end`, those of one layer."""
+        grid, handed = self.grid, self.handed
+        nodes = slice(grid.start[begin], grid.start[end])
+        known = slice(*np.searchsorted(handed.contour, (begin, end)))
+        if known.start < known.stop:
+            first = handed.start[known.start]
+            value = self._carried(known, slice(first, handed.start[known.stop]))
+        more = self.turns[begin:end] - self.total[begin:end]
+        self.excess += float(more.sum())
+        self.left -= float(self.total[begin:end].sum())
+        more = more[grid.loop[nodes] - begin]
+        ramp = self.way[nodes] * more
+        self.lack[nodes] = ramp
+        if known.start == known.stop:
+            return
+        before = value.take(handed.before[nodes] - first, mode="clip")
+        after = value.take(handed.after[nodes] - first, mode="clip")
+        even = before + handed.share[nodes] * (after - before) + handed.wrap[nodes] * more - ramp
+        if known.stop - known.start < end - begin:
+            even *= np.isin(grid.loop[nodes], handed.contour[known])
+        ahead, behind = grid.ahead[nodes] - nodes.start, grid.behind[nodes] - nodes.start
         for _ in range(SMOOTHINGS):
-            even = 0.5 * even + 0.25 * (even[ahead] + even[behind])
-        self.lack[begin:end] = even + self.plain[begin:end] * slope
+            even = 0.5 * even + 0.25 * (even.take(ahead) + even.take(behind))
+        self.lack[nodes] += even
 
-    def _carried(self, source: IntArray) -> IntArray:
-        """Take over the phase from the layer below; returns the contours that got one."""
-        up = self.grid.loop[self.grid.low[source]]
-        first = np.flatnonzero(np.append(True, up[1:] != up[:-1]))
-        count = np.diff(np.append(first, len(up)))
-        handed = self.handed[source] + self.lack[source]
-        step = np.append(0.0, np.diff(handed))
-        step -= np.rint(step)
-        step[first] = 0.0
-        walk = np.cumsum(step)
-        lack = _mended(walk - np.repeat(walk[first], count), first, count)
-        lack += np.repeat(handed[first] - np.rint(handed[first]), count)
-        loop, last = up[first], first + count - 1
+    def _carried(self, known: slice, entries: slice) -> FloatArray:
+        """Take over the phase from below, less the plan; fixes the number of waves of the `known` contours."""
+        handed, loop = self.handed, self.handed.contour[known]
+        phase = handed.phase[entries] + self.lack[handed.source[entries]]
+        start = handed.start[known.start : known.stop + 1] - entries.start
+        first, last = start[:-1], start[1:] - 1
+        owner = handed.owner[entries] - known.start
+        walk = np.empty(len(phase))
+        np.subtract(phase[1:], phase[:-1], out=walk[1:])
+        walk -= np.rint(walk)
+        walk[first] = 0.0
+        walk = np.cumsum(walk)
+        mean = np.add.reduceat(walk, first) / (start[1:] - first)
+        # The plan's number of waves is met in the end: what came in excess is made up for in the layers to come.
+        tilt = self.total[loop] * (self.excess / max(self.left, 1.0))
+        steered = np.clip(tilt, -STEERED, STEERED)[owner] * handed.way[entries]
+        lack = _mended(walk - mean[owner] + steered, start, self.stray[entries]) - steered
         turns = np.rint(lack[last] - lack[first] + self.total[loop])
-        self.turns[loop] = np.clip(turns, self.fewest[loop], self.most[loop])
-        self._spread(loop, self.place[source], lack, first, last)
-        return np.asarray(loop)
-
-    def _spread(self, loop: IntArray, place: FloatArray, lack: FloatArray, first: IntArray, last: IntArray) -> None:
-        """Interpolate between the places around each contour."""
-        total, more = self.total[loop], self.turns[loop] - self.total[loop]
-        at = np.insert(place, first, place[last] - total)
-        value = np.insert(lack, first, lack[last] - more)
-        ends = last + np.arange(1, len(loop) + 1) + 1
-        at, value = np.insert(at, ends, place[first] + total), np.insert(value, ends, lack[first] + more)
-        order = np.concatenate([np.arange(self.grid.start[u], self.grid.start[u + 1]) for u in loop])
-        group = np.repeat(np.arange(len(loop)), self.grid.start[loop + 1] - self.grid.start[loop])
-        # Contours apart: what is added around one may reach over its neighbour's range.
-        apart = 4 * float(total.max()) + 4
-        where = self.plain[order] + group * apart
-        at = (
-            at
-            - self.offset[np.repeat(loop, last - first + 3)]
-            + np.repeat(np.arange(len(loop)), last - first + 3) * apart
-        )
-        self.lack[order] = np.interp(where, at, value)
+        for this in np.flatnonzero((turns > self.most[loop]) | (turns < self.fewest[loop])):
+            wanted = np.clip(turns[this], self.fewest[loop[this]], self.most[loop[this]])
+            part = slice(start[this], start[this + 1])
+            for _ in range(int(abs(wanted - turns[this]))):
+                lack[part] += _step_for(lack[part], np.sign(wanted - turns[this]))
+            turns[this] = wanted
+        self.turns[loop] = turns
+        return np.asarray(lack + (mean - walk[first] + phase[first] - np.rint(phase[first]))[owner])
 
 
-def _mended(lack: FloatArray, first: IntArray, count: IntArray) -> FloatArray:
-    """Whole waves added to or taken from the stretches where the phase strays too far from its mean."""
-    mean = np.repeat(np.add.reduceat(lack, first) / count, count)
-    is_first = np.zeros(len(lack), dtype=bool)
-    is_first[first] = True
+def _mended(stray: FloatArray, start: IntArray, most: FloatArray) -> FloatArray:
+    """Whole waves added to or taken from the stretches where the phase strays by more than `most` from its mean."""
     for _ in range(MENDINGS):
-        stray = lack - mean
-        side = np.sign(stray) * (np.abs(stray) > STRETCH)
-        stretch = np.flatnonzero(is_first | np.append(True, side[1:] != side[:-1]))
-        far: BoolArray = (np.maximum.reduceat(np.abs(stray), stretch) > STRAY) & (side[stretch] != 0)
-        if not far.any():
+        away = np.abs(stray)
+        if not (away > most).any():
             break
-        lack = lack - side * np.repeat(far, np.diff(np.append(stretch, len(lack))))
-    return lack
+        side = np.sign(stray) * (away > STRETCH * most)
+        begins = np.append(True, side[1:] != side[:-1])
+        begins[start[:-1]] = True
+        stretch = np.flatnonzero(begins)
+        far: BoolArray = (np.maximum.reduceat(away - most, stretch) > 0) & (side[stretch] != 0)
+        stray = stray - side * np.repeat(far, np.diff(np.append(stretch, len(stray))))
+    return stray
+
+
+def _step_for(stray: FloatArray, step: float) -> FloatArray:
+    """A step up or down by one wave where the phase strays least from its mean with it."""
+    size = len(stray)
+    tail = step * np.cumsum(stray[::-1])[::-1]
+    many = np.arange(size, 0, -1)
+    # What the step adds to the sum of squares around the mean, by where it comes.
+    cost = 2 * tail + many - (tail[0] + many) ** 2 / size
+    place = 1 + int(np.argmin(cost[1:])) if size > 1 else 0
+    return step * (np.arange(size) >= place)
