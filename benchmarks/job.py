@@ -14,6 +14,7 @@ import resource
 import sys
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
@@ -27,6 +28,17 @@ def peak_mb() -> float:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / (1 << (20 if sys.platform == "darwin" else 10))
 
 
+def surface_model(arrays: Any, name: str) -> Any:
+    """The model that `models.py` has written, with its picture."""
+    import numpy as np
+    from dualcolor.core.model import SurfaceModel, ToneImage
+
+    points, faces, uv, tone = (arrays[key] for key in ("points", "faces", "uv", "tone"))
+    start, texture = np.arange(len(faces) + 1) * 3, np.zeros(len(faces), dtype=np.int64)
+    image = ToneImage(tone, np.ones_like(tone))
+    return SurfaceModel(points, start, faces.ravel(), uv, None, texture, (image,), name)
+
+
 def main(model_path: str, gcode_path: str, x3g_path: str = "") -> dict[str, object]:
     """Run the job and return its figures."""
     bare, began = peak_mb(), perf_counter()
@@ -35,17 +47,11 @@ def main(model_path: str, gcode_path: str, x3g_path: str = "") -> dict[str, obje
     load_package()
     import numpy as np
     from dualcolor.core.exports import export_gcode, export_x3g
-    from dualcolor.core.model import SurfaceModel, ToneImage
     from dualcolor.core.pipeline import generate
     from dualcolor.core.settings import PrintSettings
 
     imported = perf_counter()
-    arrays = np.load(model_path)
-    points, faces, uv, tone = (arrays[name] for name in ("points", "faces", "uv", "tone"))
-    start, texture = np.arange(len(faces) + 1) * 3, np.zeros(len(faces), dtype=np.int64)
-    image = ToneImage(tone, np.ones_like(tone))
-    model = SurfaceModel(points, start, faces.ravel(), uv, None, texture, (image,), Path(model_path).stem)
-
+    model = surface_model(np.load(model_path), Path(model_path).stem)
     ready, ready_cpu = perf_counter(), os.times()
     settings = PrintSettings(support_enable=bool(x3g_path))
     result = export_gcode(generate(model, settings), Path(gcode_path))

@@ -37,8 +37,9 @@ from .slicing.slices import Slices, slices
 from .stage_cache import NoCache, StageCache
 from .statistics import layer_begins, move_seconds
 from .supports.paths import Supports, supports, with_supports
+from .texture.labels import uv_charts
 from .texture.lookup import tone_at
-from .texture.pyramid import TexturePyramids, build_pyramids
+from .texture.pyramid import TexturePyramids, build_pyramids, sizes_of
 from .thin_features import thin_features, thin_report, thin_warnings
 from .toolpaths.assemble import assemble
 from .toolpaths.moves import Feature, Moves, Paths
@@ -118,10 +119,11 @@ def steps(
     with ThreadPoolExecutor(1) as beside:
 
         def aside(name: str, work: Callable[..., Any], *inputs: Any) -> Future[Any]:
-            return beside.submit(clock.timed, name, run, name, work, *inputs)
+            return beside.submit(clock.timed, name, lambda: run(name, work, *map(_known, inputs)))
 
         footprint = 2 * settings.layer_height
-        painting = aside("texture", build_pyramids, mesh, model.textures, footprint, settings.texture_filter)
+        charts = aside("charts", uv_charts, mesh, sizes_of(model.textures))
+        painting = aside("texture", build_pyramids, mesh, model.textures, footprint, settings.texture_filter, charts)
         yield stage(0.05, "slicing")
         cut = run("slicing", slices, mesh, settings)
         yield stage(0.2, "contours")
@@ -137,7 +139,7 @@ def steps(
         paint = aside("slopes", face_contrast, mesh, pyramids, settings)
         yield stage(0.45, "tone")
         tone = run("tone", pattern_tone, lines, pyramids, settings) if early is None else early
-        del painting, pyramids  # as large as the moves that are to come
+        del charts, painting, pyramids  # as large as the moves that are to come
         yield stage(0.5, "modulation")
         slant = run("slant", _slant, lines, mesh, settings.wavelength)
         printed, notes = run("calibration", calibrated, tone, slant, settings)
@@ -194,6 +196,11 @@ def steps(
     return DualColorPrint(
         settings, model.name, mesh, cut, outlines, moves, layer_begins(moves, seconds), report, warnings
     )
+
+
+def _known(value: Any) -> Any:
+    """What work in the same thread, ahead of this, has made; anything else as it is."""
+    return value.result() if isinstance(value, Future) else value
 
 
 def pattern_samples(

@@ -7,12 +7,26 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..model import BoolArray, FloatArray, IntArray
-from .islands import NO_ISLAND, LabelImage, components
+from ..errors import TextureError
+from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from .islands import NO_ISLAND, LabelImage, components, uv_islands
 
 _REPEATS = 4  # faces that cover a picture more often than this use it as a repeating pattern
 _CHUNK_ROWS, _CHUNK_TEXELS = 1 << 18, 1 << 20  # worked on at once
 _OVERLAP_SHARE = 0.1  # of the smaller island; less is a rounded border or a sliver
+
+
+@dataclass(frozen=True)
+class Charts:
+    """Where the islands of a mesh's UV map lie in its textures, whatever is painted there.
+
+    Attributes:
+        face_island: (F,) int64, `NO_ISLAND` without a texture.
+        labels: one a texture, (h, w) the island that covers each texel; of no size where no face uses the texture.
+    """
+
+    face_island: IntArray
+    labels: tuple[LabelImage, ...]
 
 
 @dataclass(frozen=True)
@@ -28,6 +42,31 @@ class _Rows:
     begin: LabelImage
     end: LabelImage
     island: LabelImage
+
+
+def uv_charts(mesh: TriangleMesh, sizes: tuple[tuple[int, int], ...]) -> Charts:
+    """The charts of a mesh.
+
+    Args:
+        mesh: F faces with UVs.
+        sizes: rows and columns of each texture.
+
+    Raises:
+        TextureError: a face has a texture that is not there.
+    """
+    if mesh.face_texture.max(initial=-1) >= len(sizes):
+        raise TextureError("a face has a texture that is not there", "assign the picture again")
+    island = uv_islands(mesh)
+    labels = []
+    for number, (height, width) in enumerate(sizes):
+        faces = np.flatnonzero(mesh.face_texture == number)
+        if not len(faces):
+            labels.append(np.zeros((0, 0), dtype=np.int32))
+            continue
+        uv = mesh.face_uv if len(faces) == len(mesh.faces) else mesh.face_uv[faces]
+        image, island[faces] = rasterised(uv, island[faces], height, width)
+        labels.append(image)
+    return Charts(island, tuple(labels))
 
 
 def rasterised(face_uv: FloatArray, island: IntArray, height: int, width: int) -> tuple[LabelImage, IntArray]:

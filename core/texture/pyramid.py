@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import TextureError
 from ..model import Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
-from .islands import NO_ISLAND, LabelImage, uv_islands
-from .labels import rasterised
+from .islands import NO_ISLAND, LabelImage
+from .labels import Charts, uv_charts
 from .lanczos import reduced, texel_spacing
 
 
@@ -74,7 +73,11 @@ class TexturePyramids:
 
 
 def build_pyramids(
-    mesh: TriangleMesh, textures: tuple[ToneImage, ...], footprint_mm: float, texture_filter: str
+    mesh: TriangleMesh,
+    textures: tuple[ToneImage, ...],
+    footprint_mm: float,
+    texture_filter: str,
+    charts: Charts | None = None,
 ) -> TexturePyramids:
     """Filter all textures of a mesh.
 
@@ -83,24 +86,21 @@ def build_pyramids(
         textures: one for each number in `mesh.face_texture`.
         footprint_mm: the width on the object over which a look-up averages.
         texture_filter: "trilinear": mip maps; "lanczos": each picture is reduced once to texels of the footprint.
+        charts: those of the mesh, if they are known.
 
     Raises:
         TextureError: a face has a texture that is not there.
     """
-    if mesh.face_texture.max(initial=-1) >= len(textures):
-        raise TextureError("a face has a texture that is not there", "assign the picture again")
-    island = uv_islands(mesh)
+    charts = charts or uv_charts(mesh, sizes_of(textures))
     level = np.zeros(len(mesh.faces))
     pictures = []
-    for number, image in enumerate(textures):
-        faces = np.flatnonzero(mesh.face_texture == number)
+    for number, (image, labels) in enumerate(zip(textures, charts.labels, strict=True)):
         height, width = image.tone.shape
-        if not len(faces):
+        if not labels.size:
             pictures.append(Picture((), height, width, False))
             continue
-        everywhere = len(faces) == len(mesh.faces)
-        uv = mesh.face_uv if everywhere else mesh.face_uv[faces]
-        labels, island[faces] = rasterised(uv, island[faces], height, width)
+        faces = np.flatnonzero(mesh.face_texture == number)
+        uv = mesh.face_uv if len(faces) == len(mesh.faces) else mesh.face_uv[faces]
         base = _finest(image, labels)
         if texture_filter == "lanczos":
             corners = mesh.vertices[mesh.faces[faces]]
@@ -109,7 +109,12 @@ def build_pyramids(
             levels = _halved_to_one(base)
             level[faces] = _levels(mesh, faces, (width, height), footprint_mm, len(levels))
         pictures.append(Picture(levels, height, width, bool(uv.min() < -1e-6 or uv.max() > 1 + 1e-6)))
-    return TexturePyramids(texture_filter, tuple(pictures), mesh.face_texture, island, level)
+    return TexturePyramids(texture_filter, tuple(pictures), mesh.face_texture, charts.face_island, level)
+
+
+def sizes_of(textures: tuple[ToneImage, ...]) -> tuple[tuple[int, int], ...]:
+    """Rows and columns of each texture."""
+    return tuple((image.tone.shape[0], image.tone.shape[1]) for image in textures)
 
 
 def _finest(image: ToneImage, labels: LabelImage) -> Level:
