@@ -33,8 +33,9 @@ def open_warnings(open_layers: IntArray, polygon_layer: IntArray, stack: Layers)
     """What is left out of a mesh that is open in places, and where the layers above have nothing to stand on."""
     if not len(open_layers):
         return []
+    layers = "1 layer" if len(open_layers) == 1 else f"{len(open_layers)} layers"
     warnings = [
-        f"outlines that do not close are left out: in {len(open_layers)} layers {heights(open_layers, stack)}; "
+        f"outlines that do not close are left out: in {layers} {heights(open_layers, stack)}; "
         "fill the holes of the mesh or raise gap_closing_radius"
     ]
     missing = np.setdiff1d(open_layers, polygon_layer)
