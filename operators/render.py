@@ -95,7 +95,6 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operat
         layout.use_property_split = True
         for name in ("width", "height", "samples", "azimuth", "distance", "contact_sheet", "whole_plate"):
             layout.prop(self, name)
-        layout.label(text="Views")
         layout.column(align=True).prop(self, "views")
 
     def execute(self, context: bpy.types.Context) -> set[str]:

@@ -56,7 +56,7 @@ def generated(user: User) -> None:
 
 
 def exported(user: User, path: Path) -> Path:
-    user.press("dualcolor.export_gcode")
+    user.press(f"dualcolor.export_{path.suffix[1:]}")
     user.choose_file(path)
     user.until(f"os.path.exists({str(path)!r})")
     return path
@@ -93,9 +93,16 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.until("bpy.context.object.dualcolor.show_bed")
     user.press("dualcolor.check_model")
     user.until("bpy.context.object.dualcolor.findings")
+    shot("check")
+    user.press("dualcolor.select_finding", across=(0.95,))
+    user.until("bpy.context.object.mode == 'EDIT'")
+    user.move(*user.view())
+    shot("select")
+    user.keys("Tab")
+    user.until("bpy.context.object.mode == 'OBJECT'")
     user.press("dualcolor.repair_model")
     user.until("not bpy.context.object.dualcolor.findings")
-    shot("1_prepare")
+    shot("sidebar")
 
     user.press("dualcolor.unwrap_smart")
     user.until("len(bpy.context.object.data.uv_layers) == 2")
@@ -115,13 +122,15 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     x, y = user.view()
     user.drag([(x + step, y + 0.2 * step) for step in range(-90, 90, 8)])
     assert user.ask(PIXELS) < clean - 100
-    shot("2_paint")
+    shot("paint")
 
     generated(user)
     assert user.ask(STRANDS)
     user.move(*user.view())
-    shot("3_strands")
+    shot("strands")
     painted = exported(user, tmp_path / "painted.gcode")
+    written = exported(user, tmp_path / "painted.x3g")
+    assert written.stat().st_size > 100_000
     places, far = set_back(plain, painted)
     stroke = far > 0.2
     assert stroke.sum() > 20, "the stroke is not in the file"

@@ -93,24 +93,27 @@ class User(Window):
         time.sleep(0.5)
         self.keys("Return")
 
-    def find(self, name: str) -> tuple[float, float] | None:
-        """Where a button of the sidebar is, by the operator's or the property's identifier, scrolling if need be."""
+    def find(self, name: str, across: tuple[float, ...] = ACROSS) -> tuple[float, float] | None:
+        """Where a button of the sidebar is, by the operator's or the property's identifier, scrolling if need be.
+
+        `across` are the places in the sidebar's width, from 0 to 1, where buttons are looked for.
+        """
         for patience in (0.12, 0.3):
             self.scroll(*self._in_sidebar(0.5, 0.5), -30)
             seen = None
-            while seen != (found := self._buttons(name, patience)):
+            while seen != (found := self._buttons(name, patience, across)):
                 if name in found:
                     return found[name]
                 seen = found
                 self.scroll(*self._in_sidebar(0.5, 0.5), 8)
         return None
 
-    def _buttons(self, wanted: str, patience: float) -> dict[str, tuple[float, float]]:
+    def _buttons(self, wanted: str, patience: float, across: tuple[float, ...]) -> dict[str, tuple[float, float]]:
         """What is seen of the sidebar without scrolling, until the wanted one comes."""
         left, top, right, bottom = self.region("VIEW_3D", "UI")
         found: dict[str, tuple[float, float]] = {}
         for y in range(top + 80, bottom, STEP):
-            for share in ACROSS:
+            for share in across:
                 place = left + share * (right - left - 30), y
                 self.move(*place)
                 time.sleep(patience)
@@ -120,9 +123,9 @@ class User(Window):
                     return found
         return found
 
-    def press(self, name: str) -> None:
+    def press(self, name: str, across: tuple[float, ...] = ACROSS) -> None:
         """Click a button of the sidebar."""
-        place = self.find(name)
+        place = self.find(name, across)
         if place is None:
             self.shot(self.folder / "stuck.png")
             raise AssertionError(f"no button {name} in the sidebar (see {self.folder / 'stuck.png'})")
