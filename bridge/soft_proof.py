@@ -158,6 +158,8 @@ def _cover(obj: bpy.types.Object, paints: list[Paint], response: bpy.types.Image
         link = _NO_SLOT if bare else slot.link
         slot.link = "OBJECT"
         covered = slot.material
+        while is_proof(covered):  # left over where the slot was turned to the mesh's material by hand
+            covered = covered.get(COVERED_KEY)
         key = paint, link, covered
         if key not in made:
             proof = made[key] = proof_material(f"{obj.name} Soft Proof", paint, response)

@@ -22,8 +22,13 @@ its slope can show, striped where it is too flat for tones. Again, the object is
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """A mesh in Object or a painting mode is needed."""
-        return has_mesh(cls, context)
+        """A mesh of this file is needed, in Object or a painting mode."""
+        if not has_mesh(cls, context):
+            return False
+        if context.object.library:
+            cls.poll_message_set("Make the object local first (Object > Relations)")
+            return False
+        return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Turn it on or off."""
