@@ -1,6 +1,8 @@
 """What holds for every operator, property and panel: words, undo, a reason where something is grey."""
 
+import importlib
 import inspect
+import pkgutil
 
 import pytest
 
@@ -33,6 +35,19 @@ def classes():
 @pytest.fixture(scope="module")
 def operators(classes):
     return [each for each in classes if issubclass(each, bpy.types.Operator)]
+
+
+def test_every_class_made_for_blender_is_registered_and_so_held_to_these_rules(classes):
+    kinds = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.FileHandler)
+    for folder in ("operators", "panels"):
+        package = importlib.import_module(f"dualcolor.{folder}")
+        for found in pkgutil.iter_modules(package.__path__, f"{package.__name__}."):
+            module = importlib.import_module(found.name)
+            made = {
+                each for each in vars(module).values() if inspect.isclass(each) and each.__module__ == module.__name__
+            }
+            named = {each for each in made if issubclass(each, kinds) and each.__name__.startswith("DUALCOLOR_")}
+            assert named <= set(classes), named - set(classes)
 
 
 def test_every_operator_has_words_and_an_undo_step(operators):
