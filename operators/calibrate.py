@@ -140,15 +140,17 @@ class DUALCOLOR_OT_click_calibration_photo(_ReadsPhoto, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Wait for four clicks."""
+        image = context.space_data.image
+        self._path, self._size = Path(bpy.path.abspath(image.filepath)), tuple(image.size)
         self.clicks: list[tuple[float, float]] = []
-        self._handle = context.space_data.draw_handler_add(draw_clicks, (self.clicks,), "WINDOW", "POST_PIXEL")
+        self._handle = bpy.types.SpaceImageEditor.draw_handler_add(draw_clicks, (self.clicks,), "WINDOW", "POST_PIXEL")
         context.window_manager.modal_handler_add(self)
         self._ask(context)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """A click more, a click less, the end; zooming and panning go on."""
-        if event.type in {"ESC", "RIGHTMOUSE"}:
+        if event.type in {"ESC", "RIGHTMOUSE"} or context.area.type != "IMAGE_EDITOR":
             self.cancel(context)
             return {"CANCELLED"}
         if event.value == "PRESS" and event.type == "BACK_SPACE" and self.clicks:
@@ -162,14 +164,12 @@ class DUALCOLOR_OT_click_calibration_photo(_ReadsPhoto, bpy.types.Operator):
             self._ask(context)
             return {"RUNNING_MODAL"}
         self.cancel(context)
-        image = context.space_data.image
-        wide, high = image.size
-        corners = [(x * wide, (1.0 - y) * high) for x, y in self.clicks]
-        return self.read(context, Path(bpy.path.abspath(image.filepath)), corners)
+        wide, high = self._size
+        return self.read(context, self._path, [(x * wide, (1.0 - y) * high) for x, y in self.clicks])
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Take away what was drawn and said; Blender calls this too when its window closes."""
-        context.space_data.draw_handler_remove(self._handle, "WINDOW")
+        bpy.types.SpaceImageEditor.draw_handler_remove(self._handle, "WINDOW")
         context.workspace.status_text_set(None)
         context.area.tag_redraw()
 

@@ -98,16 +98,14 @@ def test_four_clicks_in_the_image_editor_make_the_table(registered, photo):
     """The operator's own events, with a window's parts stood in for."""
     from dualcolor.operators.calibrate import DUALCOLOR_OT_click_calibration_photo as Clicks
 
-    box, asked, drawn = add_box(), [], []
+    box, asked = add_box(), []
     image = bpy.data.images.load(str(photo))
     view = SimpleNamespace(region_to_view=lambda x, y: (x / SHAPE[1], y / SHAPE[0]))
     context = SimpleNamespace(
         object=box,
-        space_data=SimpleNamespace(
-            image=image, draw_handler_add=lambda *given: drawn.append(given), draw_handler_remove=lambda *given: None
-        ),
+        space_data=SimpleNamespace(image=image),
         region=SimpleNamespace(view2d=view, width=SHAPE[1], height=SHAPE[0]),
-        area=SimpleNamespace(tag_redraw=lambda: None),
+        area=SimpleNamespace(type="IMAGE_EDITOR", tag_redraw=lambda: None),
         workspace=SimpleNamespace(status_text_set=asked.append),
         window_manager=SimpleNamespace(modal_handler_add=lambda operator: None),
     )
@@ -132,3 +130,6 @@ def test_four_clicks_in_the_image_editor_make_the_table(registered, photo):
     assert box.dualcolor.calibration == "file" and "is calibrated by tile_tones.json" in said[-1]
     made.invoke(context, None)
     assert made.modal(context, event("ESC")) == {"CANCELLED"}
+    made.invoke(context, None)
+    context.area.type = "VIEW_3D"  # the editor was turned into another one
+    assert made.modal(context, clicks[0]) == {"CANCELLED"}
