@@ -9,6 +9,7 @@ from dualcolor.core.slicing.planes import Layers
 from dualcolor.core.toolpaths.assemble import assemble
 from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.order import OrderedPaths
+from dualcolor.core.toolpaths.pieces_outside import boundaries, pieces_outside
 from dualcolor.core.toolpaths.travels import Rooms, rooms, travels
 from dualcolor.tests.solids import cylinder
 
@@ -148,3 +149,19 @@ def test_a_print_retracts_less_and_crosses_less():
     # the last layer is seen: it keeps its retractions
     top = [(moves.filament[moves.layer == moves.layer.max()] < 0).sum() for moves in (plain, kind)]
     assert top[0] == top[1]
+
+
+def test_pieces_outside_are_what_the_difference_leaves():
+    rng = np.random.default_rng(3)
+    disc = shapely.Point(0, 0).buffer(6).difference(shapely.box(-1, -2, 2, 3))
+    rooms = np.array([disc, shapely.MultiPolygon([shapely.box(-5, -5, -1, 5), shapely.box(1, -5, 5, 5)])], dtype=object)
+    tips, room = rng.uniform(-8, 8, (400, 2, 2)), rng.integers(0, 2, 400)
+    walls = boundaries(rooms)
+    found = pieces_outside(tips[:, 0], tips[:, 1], walls, room)
+    lines = shapely.linestrings(tips)
+    outside = np.bincount(found.line, np.ptp(found.share, axis=1), 400) * shapely.length(lines)
+    assert outside == pytest.approx(shapely.length(shapely.difference(lines, rooms[room])))
+    ends = tips[found.line, 0, None] + found.share[..., None] * (tips[found.line, 1] - tips[found.line, 0])[:, None]
+    on = found.ring >= 0
+    places = shapely.line_interpolate_point(walls.rings[found.ring[on]], found.arc[on])
+    assert shapely.get_coordinates(places) == pytest.approx(ends[on])

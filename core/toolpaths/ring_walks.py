@@ -6,29 +6,51 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import FloatArray, IntArray
 from ..slicing.outlines import ranges, starts
+from .pieces_outside import Boundaries, Pieces
+
+
+def on_rings(
+    outside: Pieces, tips: FloatArray, walls: Boundaries, room: IntArray
+) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Where the ends of pieces lie on rings, or are nearest to one where they lie on none.
+
+    Args:
+        outside: P pieces of T lines.
+        tips: (T, 2, 2) mm, where the lines begin and end.
+        walls: boundaries of the rooms.
+        room: (T,) the room of each line.
+
+    Returns:
+        (P, 2) int64 ring, (P, 2) mm along it and (P, 2, 2) mm place of either end.
+    """
+    ring, arc = outside.ring.copy(), outside.arc.copy()
+    begin, end = tips[outside.line].transpose(1, 0, 2)
+    places = begin[:, None] + outside.share[..., None] * (end - begin)[:, None]
+    piece, side = np.nonzero(ring < 0)
+    if len(piece):
+        found = _nearest(walls, places[piece, side], room[outside.line[piece]])
+        ring[piece, side], arc[piece, side] = found
+        places[piece, side] = shapely.get_coordinates(shapely.line_interpolate_point(walls.rings[found[0]], found[1]))
+    return ring, arc, places
 
 
 def walks_along(
-    rings: NDArray[np.object_], room: IntArray, begin: FloatArray, end: FloatArray, owner: IntArray
-) -> tuple[FloatArray, IntArray, BoolArray]:
-    """The shorter ways along a ring between places on the boundary of a room, or near it.
+    rings: NDArray[np.object_], ring: IntArray, arc: FloatArray, ends: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """The shorter ways along rings from places on them to other ones.
 
     Args:
-        rings: (R,) LinearRings, the boundaries of the rooms.
-        room: (R,) of each ring, ascending; each room has one at least.
-        begin: (P, 2) mm.
-        end: (P, 2) mm.
-        owner: (P,) the room of each pair of places.
+        rings: (R,) LinearRings.
+        ring: (P,) the ring of each way; a way between different rings means nothing.
+        arc: (P, 2) mm along it where the way begins and ends.
+        ends: (P, 2, 2) mm, the places there.
 
     Returns:
-        (N, 2) mm, the places of all ways one after the other; (P + 1,) where each way starts; (P,) whether both ends
-        lie on the same ring, without which a way means nothing.
+        (N, 2) mm, the places of all ways one after the other; (P + 1,) where each way starts.
     """
-    first_ring = np.searchsorted(room, np.arange(int(room[-1]) + 2))
-    ring, low = _nearest(rings, first_ring, begin, owner)
-    other, high = _nearest(rings, first_ring, end, owner)
+    low, high = arc.T
     length = shapely.length(rings)
     ahead = (high - low) % length[ring]
     backwards = ahead > length[ring] / 2
@@ -39,26 +61,24 @@ def walks_along(
     count = np.maximum(np.searchsorted(arc, base[ring] + low + way, side="left") - first, 0)
     start = starts(count + 2)
     places = np.empty((int(start[-1]), 2))
-    tips = [_place(rings[ring], np.where(turn, (low + way) % length[ring], low)) for turn in (backwards, ~backwards)]
-    places[start[:-1]], places[start[1:] - 1] = tips
+    places[start[:-1]], places[start[1:] - 1] = ends[:, 0], ends[:, 1]
     step = ranges(np.zeros(len(count), dtype=np.int64), count)
     pair = np.repeat(np.arange(len(count)), count)
     step = np.where(backwards[pair], count[pair] - 1 - step, step)
     places[ranges(start[:-1] + 1, count)] = vertices[first[pair] + step]
-    return places, start, np.asarray(ring == other)
+    return places, start
 
 
-def _nearest(
-    rings: NDArray[np.object_], first_ring: IntArray, points: FloatArray, owner: IntArray
-) -> tuple[IntArray, FloatArray]:
+def _nearest(walls: Boundaries, points: FloatArray, room: IntArray) -> tuple[IntArray, FloatArray]:
     """(P,) the ring of its room that each point is nearest to, and (P,) mm along it where."""
-    count = first_ring[owner + 1] - first_ring[owner]
-    ring = ranges(first_ring[owner], count)
-    pair = np.repeat(np.arange(len(owner)), count)
-    away = shapely.distance(rings[ring], shapely.points(points)[pair])
+    first_ring = np.searchsorted(walls.room, np.arange(int(walls.room[-1]) + 2))
+    count = first_ring[room + 1] - first_ring[room]
+    ring = ranges(first_ring[room], count)
+    pair = np.repeat(np.arange(len(room)), count)
+    away = shapely.distance(walls.rings[ring], shapely.points(points)[pair])
     order = np.lexsort((away, pair))
     best = ring[order[starts(count)[:-1]]]
-    return best, np.asarray(shapely.line_locate_point(rings[best], shapely.points(points)))
+    return best, np.asarray(shapely.line_locate_point(walls.rings[best], shapely.points(points)))
 
 
 def _unrolled(rings: NDArray[np.object_], length: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -80,7 +100,3 @@ def _unrolled(rings: NDArray[np.object_], length: FloatArray) -> tuple[FloatArra
     arc = np.concatenate([along, along + length[ring]]) + np.concatenate([base[ring], base[ring]])
     order = np.argsort(arc, kind="stable")
     return points[twice[order]], arc[order], base
-
-
-def _place(rings: NDArray[np.object_], arc: FloatArray) -> FloatArray:
-    return np.asarray(shapely.get_coordinates(shapely.line_interpolate_point(rings, arc)))

@@ -12,7 +12,8 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import starts
 from .order import OrderedPaths
-from .ring_walks import walks_along
+from .pieces_outside import boundaries, pieces_outside
+from .ring_walks import on_rings, walks_along
 
 _TOLERANCE_MM = 0.1  # by which the inside of the wall is simplified, and a way along it
 # A way around is worth as much time as pulling the filament back twice, and this many times the straight way.
@@ -90,20 +91,22 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
     if not len(path):
         return plain
     # Copies, for a shape that is prepared must not be shared with another thread.
-    used, number = np.unique(paths.island[path], return_inverse=True)
-    room, above = (shapely.force_2d(shapes[used])[number] for shapes in (within.inside, within.above))
-    lines = shapely.linestrings(np.stack([end[path - 1], begin[path]], axis=1))
+    used, room = np.unique(paths.island[path], return_inverse=True)
+    inside, above = (shapely.force_2d(shapes[used]) for shapes in (within.inside, within.above))
+    tips = np.stack([end[path - 1], begin[path]], axis=1)
+    lines = shapely.linestrings(tips)
     reach = _wall_depth(settings)
-    crosses = _leaves(lines, room, reach)
+    outside = pieces_outside(tips[:, 0], tips[:, 1], boundaries(inside), room)
+    crosses = _longest(outside.line, np.ptp(outside.share, axis=1), len(lines)) * shapely.length(lines) > reach
     if settings.avoid_crossing_perimeters and crosses.any():
         chosen = np.flatnonzero(crosses)
-        around = _around(lines[chosen], paths.island[path[chosen]], within.inside, settings)
-        good = ~_leaves(around, room[chosen], reach) & _worth(around, lines[chosen], settings)
+        around = _around(tips[chosen], inside, room[chosen], settings)
+        good = ~_leaves(around, inside[room[chosen]], reach) & _worth(around, lines[chosen], settings)
         lines[chosen[good]] = around[good]
         crosses[chosen[good]] = False
     hidden = plain.hidden.copy()
     if settings.only_retract_when_crossing_perimeters:
-        hidden[path] = ~crosses & _covers(above, lines)
+        hidden[path] = ~crosses & _covers(above[room], lines)
     points, line = shapely.get_coordinates(lines, return_index=True)
     between = np.ones(len(points), dtype=bool)
     ends = starts(np.bincount(line, minlength=len(lines)))
@@ -131,10 +134,15 @@ def _leaves(lines: NDArray[np.object_], room: NDArray[np.object_], reach: float)
     """(T,) lines of which some piece outside their room is longer than `reach`, mm: they cross the wall."""
     leaves = ~_covers(room, lines)
     piece, owner = shapely.get_parts(shapely.difference(lines[leaves], room[leaves]), return_index=True)
-    longest = np.zeros(int(leaves.sum()))
-    np.maximum.at(longest, owner, shapely.length(piece))
-    leaves[leaves] = longest > reach
+    leaves[leaves] = _longest(owner, shapely.length(piece), int(leaves.sum())) > reach
     return leaves
+
+
+def _longest(owner: IntArray, length: FloatArray, count: int) -> FloatArray:
+    """(count,) the greatest length that each owner has, 0 without any."""
+    longest = np.zeros(count)
+    np.maximum.at(longest, owner, length)
+    return longest
 
 
 def _worth(around: NDArray[np.object_], lines: NDArray[np.object_], settings: PrintSettings) -> BoolArray:
@@ -143,36 +151,36 @@ def _worth(around: NDArray[np.object_], lines: NDArray[np.object_], settings: Pr
 
 
 def _around(
-    lines: NDArray[np.object_], island: IntArray, inside: NDArray[np.object_], settings: PrintSettings
+    tips: FloatArray, inside: NDArray[np.object_], room: IntArray, settings: PrintSettings
 ) -> NDArray[np.object_]:
-    """(T,) lines whose pieces outside their room follow its boundary, half a line inside; where that fails, the lines.
+    """(T,) lines whose pieces outside their room follow its boundary, half a line inside; where that fails, straight.
 
     What a line leaves a room by and comes back in by lie on the same ring: outside of it is one connected place.
+
+    Args:
+        tips: (T, 2, 2) mm, where the lines begin and end.
+        inside: rooms.
+        room: (T,) the room of each line.
+        settings: the extrusion width is used.
     """
-    used, room = np.unique(island, return_inverse=True)
+    result = np.asarray(shapely.linestrings(tips))
+    used, room = np.unique(room, return_inverse=True)
     inner = shapely.buffer(inside[used], -settings.extrusion_width / 2, quad_segs=2)
     usable = np.flatnonzero(~shapely.is_empty(inner)[room])
-    result = lines.copy()
     if not len(usable):
         return result
-    room = np.unique(room[usable], return_inverse=True)[1]
-    inner = inner[~shapely.is_empty(inner)]
-    lines = lines[usable]
-    outside = shapely.difference(lines, inner[room])
-    pieces, owner = shapely.get_parts(outside, return_index=True)
-    begin, end = (shapely.get_coordinates(shapely.get_point(pieces, at)) for at in (0, -1))
-    parts, of_part = shapely.get_parts(inner, return_index=True)
-    rings, part = shapely.get_rings(parts, return_index=True)
-    walks, start, sound = walks_along(rings, of_part[part], begin, end, room[owner])
+    tips, room = tips[usable], room[usable]
+    walls = boundaries(inner)
+    outside = pieces_outside(tips[:, 0], tips[:, 1], walls, room)
+    ring, arc, ends = on_rings(outside, tips, walls, room)
+    walks, start = walks_along(walls.rings, ring[:, 0], arc, ends)
     # All along a line: its begin, for each piece the walk instead, its end.
-    tips = shapely.get_coordinates(lines).reshape(-1, 2, 2)
-    piece = np.repeat(np.arange(len(pieces)), np.diff(start))
-    away = np.hypot(*(begin - tips[owner, 0]).T)
-    number = np.arange(len(lines))
-    line = np.concatenate([number, owner[piece], number])
-    order = np.lexsort((np.concatenate([number - np.inf, away[piece], number + np.inf]), line))
+    piece = np.repeat(np.arange(len(outside.line)), np.diff(start))
+    number = np.arange(len(tips))
+    line = np.concatenate([number, outside.line[piece], number])
+    order = np.argsort(line, kind="stable")
     routes = shapely.linestrings(np.concatenate([tips[:, 0], walks, tips[:, 1]])[order], indices=line[order])
-    good = np.ones(len(lines), dtype=bool)
-    good[owner[~sound]] = False
+    good = np.ones(len(tips), dtype=bool)
+    good[outside.line[ring[:, 0] != ring[:, 1]]] = False
     result[usable[good]] = shapely.simplify(routes[good], _TOLERANCE_MM, preserve_topology=False)
     return result
