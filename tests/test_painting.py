@@ -107,6 +107,18 @@ def test_grey_picture_is_printed_instead_of_the_coloured_one(registered):
     assert {node.image for node in box.active_material.node_tree.nodes if node.type == "TEX_IMAGE"} == {made}
 
 
+def test_the_panel_says_what_is_printed(registered):
+    from dualcolor.panels.paint import hints
+
+    box = add_box((20, 30, 40))
+    assert any("background tone" in hint for hint in hints(box))
+    box.data.color_attributes.active_color = box.data.color_attributes.new("Scan", "BYTE_COLOR", "CORNER")
+    assert any("color attribute Scan" in hint for hint in hints(box))
+    add_uvs(box)
+    add_material(box, flat_image((0, 0, 0, 1)))
+    assert any("material's image" in hint for hint in hints(box))
+
+
 def test_unwrapping_fills_the_square_and_keeps_the_old_map(registered):
     pytest.importorskip("xatlas")
     box = add_box((20, 30, 40))
