@@ -9,8 +9,9 @@ from ..core.model import ToneImage
 from ..core.picture_shapes import PictureShape
 from ..core.settings import PrintSettings
 from ..core.texture.decode import srgb_from_linear
+from .mesh_input import WITH_SURFACE
 from .properties import from_settings
-from .units import mm_per_unit
+from .units import mm_per_unit, use_millimetres
 
 UV_LAYER = "Picture"
 
@@ -23,7 +24,7 @@ def add_picture_object(picture: ToneImage, shape: PictureShape, name: str, setti
 
 
 def picture_object(picture: ToneImage, shape: PictureShape, name: str, settings: PrintSettings) -> bpy.types.Object:
-    """A new object at the 3D cursor that bears a picture, selected.
+    """A new object at the 3D cursor that bears a picture, selected; a scene without meshes gets millimetres for units.
 
     The picture becomes an image of its own, packed into the file, so that it can be painted on texel by texel. What
     bears no picture has the settings' background tone.
@@ -34,6 +35,8 @@ def picture_object(picture: ToneImage, shape: PictureShape, name: str, settings:
         name: of the object, its material and its image.
         settings: those that the shape was made with.
     """
+    if not any(other.type in WITH_SURFACE for other in bpy.context.scene.objects):
+        use_millimetres(bpy.context.scene)
     obj = bpy.data.objects.new(name, _mesh(shape, name))
     obj.data.materials.append(_material(name, tone_as_image(picture, name)))
     obj.data.materials.append(_material(f"{name} Plain", settings.background_tone))

@@ -10,9 +10,7 @@ import numpy as np
 from bpy_extras.io_utils import ImportHelper, poll_file_object_drop
 
 from ..bridge.image_input import image_tone, load_image
-from ..bridge.mesh_input import WITH_SURFACE
 from ..bridge.picture_objects import add_picture_object
-from ..bridge.units import use_millimetres
 from ..core.errors import PrintError
 from ..core.picture_shapes import PictureShape, fitted, picture_plate, picture_tube
 from ..core.settings import PrintSettings
@@ -86,8 +84,6 @@ class _AddPicture(ImportHelper):
                 picture = fitted(image_tone(image), shape, auto_contrast=self.auto_contrast, frame_tone=self.frame_tone)
             finally:
                 bpy.data.images.remove(image)
-            if not any(other.type in WITH_SURFACE for other in context.scene.objects):
-                use_millimetres(context.scene)
             obj = add_picture_object(picture, shape, f"{path.stem} {self.label}", settings)
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))

@@ -8,6 +8,7 @@ from ..bridge.picture_objects import add_picture_object
 from ..core.errors import PrintError
 from ..core.figure_cylinders import FIGURES, figure_cylinder
 from ..core.settings import PrintSettings
+from .viewing import frame_selected, show_pictures
 
 ICONS = {"gradient": "NODE_TEXTURE", "checkered": "TEXTURE", "phase_shifted": "MOD_WAVE", "attenuated": "IPO_SINE"}
 
@@ -45,7 +46,7 @@ class DUALCOLOR_OT_add_figure_cylinder(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, _context: bpy.types.Context) -> set[str]:
+    def execute(self, context: bpy.types.Context) -> set[str]:
         """Add the cylinder with the settings that it takes."""
         kind = self.kind.lower()
         settings = PrintSettings(texture_filter="lanczos")
@@ -55,6 +56,8 @@ class DUALCOLOR_OT_add_figure_cylinder(bpy.types.Operator):
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
         add_picture_object(made.picture, made.shape, FIGURES[kind][0], made.settings)
+        show_pictures(context)
+        frame_selected(context)
         return {"FINISHED"}
 
 

@@ -18,6 +18,7 @@ from ..core.calibration.table import write_table
 from ..core.errors import PrintError
 from ..core.settings import PrintSettings
 from .generate import has_printable
+from .viewing import frame_selected, show_pictures
 
 _CORNERS = ("upper left", "upper right", "lower right", "lower left")
 
@@ -46,6 +47,8 @@ class DUALCOLOR_OT_add_calibration_tile(bpy.types.Operator):
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
+        show_pictures(context)
+        frame_selected(context)
         self.report({"INFO"}, f"{obj.name}: print it, photograph it, then Read Calibration Photo")
         return {"FINISHED"}
 

@@ -65,7 +65,8 @@ def _words_of(settings: PrintSettings, _changed: float) -> list[tuple[str, str]]
     if table is None:
         return [(f"There is no table for the pattern {settings.pattern}", "ERROR")]
     low, high = table.reflectance[0, [0, -1]]
-    words = [(f"Table by {table.about.source}: an upright wall shows {low:.2f} to {high:.2f}", "CHECKMARK")]
+    whose = "Your own table" if settings.calibration == "file" else "The program's table"
+    words = [(f"{whose}, by {table.about.source}: an upright wall shows {low:.2f} to {high:.2f}", "CHECKMARK")]
     differences = table.about.differences(settings)
     if differences:
         words.append((f"It holds for other settings: {', '.join(differences)}", "ERROR"))
