@@ -4,12 +4,14 @@ import struct
 
 import numpy as np
 import pytest
+from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.commands import MOVE, Command
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TOWER, TRAVEL, rosette, table
+from dualcolor.tests.solids import lathe
 
 SETTINGS = PrintSettings()
 TOWER_BOX = np.array([[29.0, -1.0], [31.0, 9.0]])
@@ -157,6 +159,14 @@ def test_moves_that_say_something_wrong():
         broken = record(parts[at])
         broken[field] = value
         only(findings([*parts[:at], broken.tobytes(), *parts[at + 1 :]]), text)
+
+
+def test_a_wipe_of_hardly_any_length_is_sound():
+    """A stub so thin that what is wiped over is shorter than a step of the motors."""
+    stub = lathe([[0.3, 0], [0.375, 0.5], [2, 1]], 5)
+    settings = PrintSettings(wavelength=0.5, pattern="wave", wipe=1.0, avoid_crossing_perimeters=False)
+    settings = settings.changed({"first_layer_height": 0.35})
+    assert not findings(pieces(generate(stub, settings).moves, settings))
 
 
 def test_frame_of_the_build():

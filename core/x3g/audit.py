@@ -13,6 +13,7 @@ from .reader import Commands
 
 _TOLERANCE_MM = 0.05  # a few steps of rounding
 _LENGTH_TOLERANCE_MM = 0.1
+_STEP_MM = 0.02
 _LONG_MM = 1.0  # shorter moves are too much rounded to measure their speed
 _HOMED = 0b111
 _ENABLES = 0b10000000  # of the axes that SWITCH_AXES names
@@ -128,11 +129,13 @@ def _released(commands: Commands) -> BoolArray:
 def _numbers(commands: Commands, motion: _Motion, printer: PrinterProfile) -> list[str]:
     """Moves are as long and as fast as they may be and as they say."""
     planned = commands.code == Command.MOVE
-    length = np.sqrt(np.einsum("ij,ij->i", motion.way, motion.way))
-    length = np.where(motion.travels, length, np.maximum(length, np.abs(motion.fed).max(axis=1)))
+    way = np.sqrt(np.einsum("ij,ij->i", motion.way, motion.way))
+    length = np.where(motion.travels, way, np.maximum(way, np.abs(motion.fed).max(axis=1)))
     with np.errstate(invalid="ignore", divide="ignore"):
         unsaid = planned & ~(np.isfinite(commands.distance) & (commands.distance > 0) & (commands.speed > 0))
         wrong = planned & ~unsaid & (np.abs(commands.distance - length) > _LENGTH_TOLERANCE_MM)
+        # A retraction that goes on by a step at most is as long as its filament or as that step.
+        wrong &= motion.travels | (np.abs(commands.distance - way) > _STEP_MM)
         every = np.concatenate([motion.way, motion.fed], axis=1)
         speed = np.abs(every) * (commands.speed / commands.distance)[:, None]
     most = np.array([*printer.max_speed_mm_s, printer.max_speed_mm_s[3]]) * 1.02
