@@ -226,8 +226,10 @@ def pattern_tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSett
     tone = tone_at(pyramids, lines.face, lines.carried[:, :2], lines.carried[:, 2], settings.background_tone)
     if settings.pattern == "offset" or settings.texture_filter == "lanczos":
         return tone
-    # The look-up has averaged over a layer pair in all directions; a wave cannot show more than one tone along it.
-    return average_along_wall(tone, lines, settings.wavelength)
+    # The look-up has averaged over a layer pair in all directions; a wave cannot show more than one tone along it, but
+    # where it fades as the line is set back, the line can.
+    share = 1.0 if settings.pattern == "wave" else 0.5
+    return average_along_wall(tone, lines, settings.wavelength * share)
 
 
 def _solid_colours(

@@ -5,6 +5,7 @@ import threading
 
 import numpy as np
 import pytest
+from dualcolor.core.calibration.tile import profile_tile
 from dualcolor.core.errors import MeshError, OutputError
 from dualcolor.core.exports import dump, export_gcode, export_x3g
 from dualcolor.core.pipeline import generate, steps
@@ -185,6 +186,19 @@ def test_same_input_same_bytes(pattern, tmp_path):
         export_gcode(generate(cylinder(radius=6, height=2, textures=[GRADIENT]), chosen), tmp_path / name)
         texts.append((tmp_path / name).read_bytes())
     assert texts[0] == texts[1]
+
+
+def test_tones_are_averaged_along_the_wall_as_far_as_the_pattern_needs():
+    """An edge in the picture takes a whole wave where waves alone show it, half of one where lines are set back too."""
+    edge = profile_tile(0.0, 0.25, np.repeat([0.0, 1.0], 100), 20.0).model
+    width = {}
+    for pattern in ("wave", "wave_offset", "offset"):
+        made = generate(edge, SMALL.changed({"pattern": pattern, "skirts": 0, "tower_type": "none"})).outlines
+        front = (made.base[:, 1] < made.base[:, 1].min() + 0.1) & (np.abs(made.base[:, 0]) < 5.0)
+        between = front & (made.tone > 0.1) & (made.tone < 0.9)
+        width[pattern] = float(np.ptp(made.base[between, 0]))
+    assert 0.9 < width["wave"] < 1.6
+    assert width["offset"] + 0.1 < width["wave_offset"] < width["wave"] - 0.2
 
 
 def test_report_is_json_and_complete(vase, tmp_path):
