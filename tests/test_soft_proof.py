@@ -71,6 +71,7 @@ def test_nodes_show_what_the_table_says(registered, slant):
     tones = np.array([0.0, 0.1, 0.3, 0.6, 0.85, 1.0])
     wall, face = leaning_wall(slant, 30, 20, filling([30, 20]))
     add_material(wall, picture(np.tile(np.repeat(tones, 20), (4, 1))))
+    wall.dualcolor.calibration = "none"  # so that slopes differ
     bpy.ops.dualcolor.soft_proof()
     seen = proof_picture(wall, face, 1.0, samples=2)
     table = proof_table(to_settings(wall.dualcolor), (0.0, 1.0))
