@@ -11,6 +11,7 @@ from ..bridge.properties import set_findings
 from ..core.progress import Progress, retold
 from .job import JobOperator, Steps
 from .unwrap import has_mesh
+from .viewing import frame_selected
 
 _LINES_OF_A_WALL = 2
 
@@ -59,7 +60,10 @@ class DUALCOLOR_OT_select_finding(JobOperator, bpy.types.Operator):
         """Check once more, since the mesh may have changed, and select."""
         found = yield from _checked(context.object)
         select(context.object, self.kind, found)
-        return f"{TITLES[self.kind]}: {len(getattr(found, self.kind))}"
+        frame_selected(context)
+        return (
+            f"{TITLES[self.kind]}: {len(getattr(found, self.kind))} selected; X-Ray (Alt Z) shows those behind others"
+        )
 
 
 class DUALCOLOR_OT_repair_model(bpy.types.Operator):

@@ -112,10 +112,13 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.until("bpy.context.object.dualcolor.show_bed")
     user.press("dualcolor.check_model")
     user.until("bpy.context.object.dualcolor.findings")
+    user.until(f"not ({RUNNING})")
+    time.sleep(2.0)  # for the sidebar to be drawn
     shot("check")
     user.press("dualcolor.select_finding", across=(0.95,))
     user.until("bpy.context.object.mode == 'EDIT'")
     user.move(*user.view())
+    time.sleep(2.0)
     shot("select")
     user.keys("Tab")
     user.until("bpy.context.object.mode == 'OBJECT'")
@@ -169,3 +172,35 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     assert stroke.sum() > 20, "the stroke is not in the file"
     assert stroke.mean() < 0.4 and np.median(far) < 0.02, "the wall has changed where nothing was painted"
     assert np.ptp(places[stroke], axis=0)[2] < 40
+
+
+def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_path):
+    row, column = np.mgrid[0:128, 0:128] / 127
+    colours = np.stack([0.5 + 0.5 * np.sin(6 * np.pi * column), 0.2 + 0.6 * row, 1 - column], axis=-1)
+    picture, render = tmp_path / "waves.png", tmp_path / "print.png"
+    Image.fromarray((255 * colours).astype(np.uint8)).save(picture)
+    kept = Path(os.environ.get("DUALCOLOR_SCREENSHOTS", tmp_path)).resolve()
+    user = User(BLENDER, tmp_path / "blender", patience=400.0)  # it does not answer while it renders
+    try:
+        user.install(package)
+        user.open_tab()
+        user.move(*user.view())
+        user.keys("a", "x", "Return")
+        user.until("bpy.context.object is None")
+        user.search("image plate")
+        user.choose_file(picture)
+        user.until("bpy.context.object is not None")
+        assert user.ask("bpy.context.scene.unit_settings.length_unit") == "MILLIMETERS"
+        user.press("dualcolor.grey_from_color")
+        user.until("bpy.context.object.dualcolor.image is not None")
+        user.shot(kept / "plate.png", (0, 25, 1052, 722), colours=48)
+        generated(user)
+        user.press("dualcolor.render_prediction")
+        user.choose_file(render)
+        user.until(f"os.path.exists({str(render)!r})")
+        shown = "area_of('IMAGE_EDITOR')[1].spaces.active.image.name"
+        assert user.until(shown) == render.name
+        user.front("Image Editor")
+        user.shot(kept / "render.png", (100, 40, 1060, 700), colours=32)
+    finally:
+        user.close()
