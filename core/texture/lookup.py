@@ -56,7 +56,8 @@ def _nearest(picture: Picture, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
     column = np.clip(np.floor(place[:, 0]), 0, level.width - 1).astype(np.int64)
     row = np.clip(np.floor(place[:, 1]), 0, level.height - 1).astype(np.int64)
     index = row * level.width + column
-    return level.paint[index].astype(np.float64), level.alpha[index].astype(np.float64)
+    alpha = np.ones(len(index)) if level.alpha is None else level.alpha[index].astype(np.float64)
+    return level.paint[index].astype(np.float64), alpha
 
 
 def _trilinear(
@@ -120,11 +121,12 @@ def _bilinear(
                 if level.coverage is not None:
                     share *= level.coverage[index]
             paint += share * level.paint[index]
-            alpha += share * level.alpha[index]
+            if level.alpha is not None:
+                alpha += share * level.alpha[index]
             weight += share
     known = weight > _NO_WEIGHT
     divisor = np.where(known, weight, 1.0)
-    return paint / divisor, alpha / divisor, known
+    return paint / divisor, known * 1.0 if level.alpha is None else alpha / divisor, known
 
 
 def _neighbours(first: FloatArray, count: int, repeats: bool) -> tuple[IntArray, IntArray]:

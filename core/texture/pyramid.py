@@ -20,7 +20,7 @@ class Level:
         height: h, rows.
         width: w, columns.
         paint: tone times alpha, mean over the part of the texel that its island covers.
-        alpha: likewise.
+        alpha: likewise, or None where the whole picture is opaque.
         coverage: share of the texel that its island covers, or None where that is 1 for every texel with an island.
         island: (h · w,) int32 the island that covers most of the texel, `NO_ISLAND` for none.
     """
@@ -28,7 +28,7 @@ class Level:
     height: int
     width: int
     paint: Float32Array
-    alpha: Float32Array
+    alpha: Float32Array | None
     coverage: Float32Array | None
     island: LabelImage
 
@@ -119,11 +119,12 @@ def sizes_of(textures: tuple[ToneImage, ...]) -> tuple[tuple[int, int], ...]:
 
 def _finest(image: ToneImage, labels: LabelImage) -> Level:
     """The picture itself, alpha premultiplied."""
-    alpha = np.ascontiguousarray(image.alpha).ravel()
     tone = np.ascontiguousarray(image.tone).ravel()
-    paint = tone if alpha.min() == 1 else tone * alpha
     height, width = labels.shape
-    return Level(height, width, paint, alpha, None, labels.ravel())
+    if image.alpha.min() == 1:
+        return Level(height, width, tone, None, None, labels.ravel())
+    alpha = np.ascontiguousarray(image.alpha).ravel()
+    return Level(height, width, tone * alpha, alpha, None, labels.ravel())
 
 
 def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_mm: float) -> Level:
@@ -131,7 +132,9 @@ def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_m
     across, up = texel_spacing(corners, uv * [base.width, base.height])
     paint, alpha = reduced(
         base.paint.reshape(base.height, base.width),
-        base.alpha.reshape(base.height, base.width),
+        np.ones((base.height, base.width), np.float32)
+        if base.alpha is None
+        else base.alpha.reshape(base.height, base.width),
         (base.island != NO_ISLAND).reshape(base.height, base.width),
         (across / footprint_mm, up / footprint_mm),
     )
@@ -169,18 +172,17 @@ def _halved(level: Level) -> Level:
     if rows >= level.height:
         return _halved_band(level)
     bands = [_halved_band(_band(level, row, min(row + rows, level.height))) for row in range(0, level.height, rows)]
-    paint, alpha, island = (
-        np.concatenate(parts) for parts in zip(*((b.paint, b.alpha, b.island) for b in bands), strict=True)
-    )
+    paint, island = (np.concatenate(parts) for parts in zip(*((b.paint, b.island) for b in bands), strict=True))
     coverage = np.concatenate([band.coverage for band in bands if band.coverage is not None])
+    alpha = None if level.alpha is None else np.concatenate([band.alpha for band in bands if band.alpha is not None])
     return Level(sum(band.height for band in bands), bands[0].width, paint, alpha, coverage, island)
 
 
 def _band(level: Level, first: int, end: int) -> Level:
     """Some rows of a level."""
     part = slice(first * level.width, end * level.width)
-    coverage = None if level.coverage is None else level.coverage[part]
-    return Level(end - first, level.width, level.paint[part], level.alpha[part], coverage, level.island[part])
+    coverage, alpha = (None if each is None else each[part] for each in (level.coverage, level.alpha))
+    return Level(end - first, level.width, level.paint[part], alpha, coverage, level.island[part])
 
 
 def _halved_band(level: Level) -> Level:
@@ -191,14 +193,13 @@ def _halved_band(level: Level) -> Level:
     """
     height, width = (level.height + 1) // 2, (level.width + 1) // 2
     covered = (level.island != NO_ISLAND).astype(np.float32) if level.coverage is None else level.coverage
-    island, weight, paint, alpha = (
-        _children(part, level.height, level.width, filler)
-        for part, filler in ((level.island, NO_ISLAND), (covered, 0), (level.paint, 0), (level.alpha, 0))
+    island, weight = (
+        _children(part, level.height, level.width, filler) for part, filler in ((level.island, NO_ISLAND), (covered, 0))
     )
+    values = [_children(part, level.height, level.width, 0) for part in (level.paint, level.alpha) if part is not None]
     total = weight.sum(axis=0)
     scale = np.divide(1.0, total, out=np.zeros_like(total), where=total > 0)
-    mean_paint = _weighted(weight, paint) * scale
-    mean_alpha = _weighted(weight, alpha) * scale
+    means = [_weighted(weight, each) * scale for each in values]
     owner = island[0].copy()
     mixed = np.flatnonzero((island[1:] != island[0]).any(axis=0))
     labels, shares = island[:, mixed], weight[:, mixed]
@@ -206,9 +207,9 @@ def _halved_band(level: Level) -> Level:
     owner[mixed] = np.take_along_axis(labels, votes.argmax(axis=0)[None], axis=0)[0]
     shares = np.where(labels == owner[mixed], shares, np.float32(0))
     total[mixed] = shares.sum(axis=0)  # more than 0: mixed texels have an island, and nothing but islands has votes
-    mean_paint[mixed] = _weighted(shares, paint[:, mixed]) / total[mixed]
-    mean_alpha[mixed] = _weighted(shares, alpha[:, mixed]) / total[mixed]
-    return Level(height, width, mean_paint, mean_alpha, total * np.float32(0.25), owner)
+    for mean, each in zip(means, values, strict=True):
+        mean[mixed] = _weighted(shares, each[:, mixed]) / total[mixed]
+    return Level(height, width, means[0], means[1] if len(means) > 1 else None, total * np.float32(0.25), owner)
 
 
 def _children(flat: np.ndarray, height: int, width: int, filler: int) -> np.ndarray:  # type: ignore[type-arg]
