@@ -217,7 +217,10 @@ def test_troubles_are_told_in_a_sentence(tmp_path):
     assert "marks were not found" in told(tmp_path / "noise.png")
     Image.new("RGB", (500, 400), (128, 128, 128)).save(tmp_path / "plain.png")
     assert "marks were not found" in told(tmp_path / "plain.png")
-    assert "look alike" in told(photo_of(tmp_path, lambda tone: 0.3 + 0.002 * tone, contrast=0.0), marks)
+    plain = light_on_wedge(SHAPE, TILTED, lambda tone: 0.3 + 0.002 * tone, DEFAULT, contrast=0.0)
+    with pytest.raises(CalibrationError, match="look alike"):
+        read_wedge(Photograph(plain.astype(np.float32), plain > 9), marks, DEFAULT)
+    assert "not seen between the corners" in told(path, marks * (0.5, 0.5))
     assert "overexposed" in told(photo_of(tmp_path, lambda tone: 0.5 + 1.5 * tone), marks)
     small = photo_of(tmp_path, corners=TILTED / 6, shape=(120, 170), contrast=0.0)
     assert "too small" in told(small, marks_in(TILTED / 6))

@@ -25,7 +25,8 @@ _CANDIDATES = 22
 _PROPORTIONS = (1.2, 5.0)  # of the rectangle between the marks, which is 2.5 wide, and however it is seen
 _MOST_CONVERGENT = 2.0  # how much longer than the opposite side a side may look
 _DARKEST = 3e-3  # linear; an eight-bit picture knows nothing of what is below
-_LEAST_SIMILAR = 0.8
+_LEAST_SIMILAR, _LEAST_SIMILAR_CLICKED = 0.8, 0.4
+_LEAST_PATCH_PX = 16.0
 _LEAST_SHARE = 0.01  # of the picture that the wedge fills
 _REFINED_MM = (1.2, 0.9, 0.9)  # width of the view of a mark, step by step
 _FARTHEST_MM = 4.0  # that a mark is moved
@@ -59,7 +60,9 @@ def find_marks(photo: Photograph, settings: PrintSettings) -> FloatArray:
             "the corner marks were not found in the photograph",
             "photograph the whole tile from the front on a plain ground, or give its four corners",
         )
-    return refined(photo, (marks + 0.5) * factor, settings)
+    marks = (marks + 0.5) * factor
+    patch_pixels(marks)
+    return refined(photo, marks, settings)
 
 
 def checked_corners(photo: Photograph, corners: FloatArray, settings: PrintSettings) -> FloatArray:
@@ -85,7 +88,33 @@ def checked_corners(photo: Photograph, corners: FloatArray, settings: PrintSetti
     light = blurred(blurred(light, sigma / factor, 0), sigma / factor, 1)
     turned = np.stack([np.roll(corners, -turn, axis=0) for turn in range(4)])
     similar = similarity(light, (turned - begin) / factor - 0.5)
-    return refined(photo, turned[similar.argmax()], settings, _CLICK_MM)
+    if similar.max() < _LEAST_SIMILAR_CLICKED:
+        raise CalibrationError(
+            "the tile's patches are not seen between the corners", "give the places where the squares of each mark meet"
+        )
+    marks = turned[similar.argmax()]
+    patch_pixels(marks)
+    return refined(photo, marks, settings, _CLICK_MM)
+
+
+def patch_pixels(marks: FloatArray) -> float:
+    """The least height or width of a patch along the grid's edges, in pixels.
+
+    Args:
+        marks: (4, 2) pixels, in the order of `MARKS`, the upper left one first.
+
+    Raises:
+        CalibrationError: it is too small to be read.
+    """
+    patches_wide, patches_high = MARKS[2] - MARKS[0]
+    edge = np.linalg.norm(np.roll(marks, -1, axis=0) - marks, axis=1)
+    least = float(min(edge[0] / patches_wide, edge[2] / patches_wide, edge[1] / patches_high, edge[3] / patches_high))
+    if least < _LEAST_PATCH_PX:
+        raise CalibrationError(
+            f"the tile is too small in the photograph, its patches are {least:.0f} pixels high",
+            f"get nearer, for {_LEAST_PATCH_PX:.0f} or more",
+        )
+    return least
 
 
 def similarity(light: FloatArray, quads: FloatArray) -> FloatArray:
@@ -157,7 +186,7 @@ def _strongest(photo: Photograph, to_photo: FloatArray, mark: FloatArray, mm: Fl
 
 def _saddle_of(fit: FloatArray, sigma: float) -> FloatArray:
     """(2,) mm from the middle to where a fit is level; 0 if it is more of an edge than of a saddle."""
-    if abs(fit[3]) * sigma < np.abs(fit[1:3]).max():
+    if abs(fit[3]) * sigma <= np.abs(fit[1:3]).max():
         return np.zeros(2)
     return np.asarray(np.array([-fit[2], -fit[1]]) / fit[3])
 

@@ -11,11 +11,11 @@ from ..model import FloatArray
 from ..settings import PrintSettings
 from .about import About, tone_settings
 from .homography import projected, square_to
+from .marks import patch_pixels
 from .photograph import Photograph
 from .step_wedge import COLUMNS, MARKS, ROWS, STEPS, Patches, patch_tones, patches, references
 from .table import ToneTable, isotonic
 
-_LEAST_PATCH_PX = 16.0
 _FINEST_PATCH_PX = 100.0  # more is averaged before it is read
 _MOST_FULL = 0.02  # of a white patch's pixels may be as bright as the file can tell
 _LEAST_CONTRAST = 0.02  # of the printed white, between it and the printed black
@@ -129,12 +129,7 @@ def patch_means(photo: Photograph, marks: FloatArray, size: Patches) -> tuple[Fl
     span = MARKS[2] - MARKS[0]
     grid = np.array([(0, 0), (COLUMNS, 0), (COLUMNS, ROWS), (0, ROWS)], dtype=np.float64)
     corners = projected(square_to(marks), (grid - MARKS[0]) / span)
-    patch_px = _patch_pixels(corners)
-    if patch_px < _LEAST_PATCH_PX:
-        raise CalibrationError(
-            f"the tile is too small in the photograph, its patches are {patch_px:.0f} pixels high",
-            f"get nearer, for {_LEAST_PATCH_PX:.0f} or more",
-        )
+    patch_px = patch_pixels(marks)
     part, begin = photo.cropped(corners, 2.0)
     factor = max(int(patch_px / _FINEST_PATCH_PX), 1)
     part = part.reduced(factor)
@@ -153,12 +148,6 @@ def patch_means(photo: Photograph, marks: FloatArray, size: Patches) -> tuple[Fl
     pixel_mm = size.height / (patch_px / factor)
     pieces = _pieces(off, pixel_mm, part.light.ravel()[on_grid], area[on_grid], number, size)
     return _without_outliers(pieces)
-
-
-def _patch_pixels(corners: FloatArray) -> float:
-    """The least height or width of a patch, in pixels, taken along the grid's edges."""
-    edge = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-    return float(min(edge[0] / COLUMNS, edge[2] / COLUMNS, edge[1] / ROWS, edge[3] / ROWS))
 
 
 def _check_exposure(is_full: FloatArray, number: FloatArray) -> None:
