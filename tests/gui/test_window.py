@@ -112,16 +112,6 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.until("bpy.context.object.dualcolor.show_bed")
     user.press("dualcolor.check_model")
     user.until("bpy.context.object.dualcolor.findings")
-    user.until(f"not ({RUNNING})")
-    time.sleep(2.0)  # for the sidebar to be drawn
-    shot("check")
-    user.press("dualcolor.select_finding", across=(0.95,))
-    user.until("bpy.context.object.mode == 'EDIT'")
-    user.move(*user.view())
-    time.sleep(2.0)
-    shot("select")
-    user.keys("Tab")
-    user.until("bpy.context.object.mode == 'OBJECT'")
     user.press("dualcolor.repair_model")
     user.until("not bpy.context.object.dualcolor.findings")
     shot("sidebar")
@@ -172,6 +162,32 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     assert stroke.sum() > 20, "the stroke is not in the file"
     assert stroke.mean() < 0.4 and np.median(far) < 0.02, "the wall has changed where nothing was painted"
     assert np.ptp(places[stroke], axis=0)[2] < 40
+
+
+def test_select_shows_what_check_model_has_found(user, package, shot):
+    user.install(package)
+    user.open_tab()
+    user.move(*user.view())
+    user.keys("a", "x", "Return")
+    user.search("monkey")
+    user.until("bpy.context.object is not None")
+    user.press("dualcolor.scale_to_height")
+    user.keys("Return")
+    user.until("abs(bpy.context.object.dimensions.z - 60) < 0.1")
+    user.press("dualcolor.check_model")
+    user.until("bpy.context.object.dualcolor.findings")
+    user.until(f"not ({RUNNING})")
+    time.sleep(2.0)  # for the sidebar to be drawn
+    shot("check")
+    user.press("dualcolor.select_finding", across=(0.95,))
+    user.until("bpy.context.object.mode == 'EDIT'")
+    user.until(f"not ({RUNNING})")
+    user.move(*user.view())
+    time.sleep(2.0)
+    shot("select")
+    user.keys("Tab")
+    user.until("bpy.context.object.mode == 'OBJECT'")
+    assert user.ask("sum(edge.select for edge in bpy.context.object.data.edges)") == 42
 
 
 def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_path):
