@@ -322,9 +322,10 @@ def test_settings_that_the_table_does_not_hold_for_are_told(monkeypatch, tmp_pat
     assert "has no tone table" in notes[0]
 
 
+@pytest.mark.parametrize("quality", ["standard", "fine"])
 @pytest.mark.parametrize("presets", [[], ["paper"], ["waves_set_back"], ["set_back"]])
-def test_every_pattern_preset_has_its_table(presets):
-    chosen = PrintSettings().changed(preset_values(presets))
+def test_every_pattern_preset_has_its_table(presets, quality):
+    chosen = PrintSettings().changed(preset_values([quality, *presets]))
     assert calibrated(np.zeros(1), np.zeros(1), chosen)[1] == []
 
 
