@@ -10,7 +10,7 @@ from dualcolor.core.toolpaths.assemble import assemble
 from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.order import OrderedPaths
 from dualcolor.core.toolpaths.pieces_outside import boundaries, pieces_outside
-from dualcolor.core.toolpaths.travels import Rooms, rooms, travels
+from dualcolor.core.toolpaths.travels import Rooms, copies, rooms, travels
 from dualcolor.tests.solids import cylinder
 
 SETTINGS = PrintSettings()
@@ -107,6 +107,14 @@ def test_from_island_to_island_and_too_far_around_it_goes_straight():
     neck = shapely.union_all([shapely.box(0, 0, 10, 10), shapely.box(10, 0, 20, 0.3), shapely.box(20, 0, 30, 10)])
     paths = lines([(5, 5), (5, 6)], [(25, 6), (25, 5)])
     assert len(travels(paths, room(neck), SETTINGS).via) == 0
+
+
+def test_what_is_above_many_islands_is_copied_once():
+    """A layer of many islands is above each of those below it."""
+    above, other = shapely.box(0, 0, 1, 1), shapely.box(0, 0, 2, 2)
+    copied = copies(np.array([above, other, above, above], dtype=object))
+    assert copied[0] is copied[2] is copied[3] and copied[0] is not above
+    assert shapely.area(copied).tolist() == [1, 4, 1, 1]
 
 
 def test_above_is_the_next_layer():

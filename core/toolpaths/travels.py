@@ -90,9 +90,8 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
     path = np.flatnonzero(far & (paths.island[1:] == paths.island[:-1]) & (paths.island[1:] >= 0)) + 1
     if not len(path):
         return plain
-    # Copies, for a shape that is prepared must not be shared with another thread.
     used, room = np.unique(paths.island[path], return_inverse=True)
-    inside, above = (shapely.force_2d(shapes[used]) for shapes in (within.inside, within.above))
+    inside, above = copies(within.inside[used]), copies(within.above[used])
     tips = np.stack([end[path - 1], begin[path]], axis=1)
     lines = shapely.linestrings(tips)
     reach = _wall_depth(settings)
@@ -114,6 +113,13 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
     count = np.zeros(len(hidden), dtype=np.int64)
     count[path] = np.bincount(line[between], minlength=len(lines))
     return Travels(points[between], starts(count), hidden)
+
+
+def copies(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
+    """Copies, for a shape that is prepared must not be shared with another thread; of a shape that recurs only one."""
+    _, first, same = np.unique([id(shape) for shape in shapes.tolist()], return_index=True, return_inverse=True)
+    copied: NDArray[np.object_] = shapely.force_2d(shapes[first])[same]
+    return copied
 
 
 def _wall_depth(settings: PrintSettings) -> float:
