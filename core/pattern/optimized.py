@@ -37,7 +37,7 @@ FINE_FIT = (2, 0, 8)
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
 # What nobody sees still counts by this much.
-LEAST_WEIGHT = 0.05
+LEAST_WEIGHT = 0.02
 
 
 def optimized_samples(

@@ -33,10 +33,12 @@ from .phase_grid import PhaseGrid, on_grid
 # Grids of every so many layers, every so many nodes and the steps on each; last that of all layers.
 SPANS = ((16, 8, 100), (4, 6, 100))
 STEPS = 60
+# It takes so many times as many where births and deaths cost more in some places than in others, as they move farther.
+WEIGHTED_STEPS = 3
 OVER_RELAXATION = 1.8
-# Steps of the waves and slides are so much shorter than the diagonal asks for, those of the prices so much longer:
-# far-reaching changes of a few prices are what takes the time.
-PRIMAL_SHARE = 0.1
+# Steps of the waves and slides are shorter than the diagonal asks for by this, those of the prices as much longer:
+# there are many waves to move and few prices. The second holds where prices differ.
+PRIMAL_SHARE, WEIGHTED_SHARE = 0.1, 1.0
 # How far the waves may slide from a layer to the next, in waves, and what sliding and uneven spacing cost.
 SLIDE = 0.02
 SLIDE_COST = 0.2
@@ -111,12 +113,14 @@ def planned(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, weight: FloatArra
     first = grids[0][0]
     none = np.zeros(len(first.arc))
     plan = WavePlan(first.length / (settings.wavelength * np.sqrt(2)), none, none, 0.0)
+    uneven = bool(len(weight)) and float(weight.min()) < float(weight.max())
     for number, (span, layers) in enumerate(grids):
         if number:
             plan = _taken_over(lines, fine, span, layers, *grids[number - 1], plan)
         node, _ = on_grid(grid, lines, span)
-        steps = SPANS[number][2] if number < len(SPANS) else STEPS
-        plan = _solved(span, weight[node], plan, layers * SLIDE, steps, settings)
+        steps = (SPANS[number][2] if number < len(SPANS) else STEPS) * (WEIGHTED_STEPS if uneven else 1)
+        share = WEIGHTED_SHARE if uneven else PRIMAL_SHARE
+        plan = _solved(span, weight[node], plan, layers * SLIDE, steps, share, settings)
     return plan
 
 
@@ -152,7 +156,13 @@ def _taken_over(
 
 
 def _solved(
-    grid: PhaseGrid, weight: FloatArray, first: WavePlan, most_slide: float, steps: int, settings: PrintSettings
+    grid: PhaseGrid,
+    weight: FloatArray,
+    first: WavePlan,
+    most_slide: float,
+    steps: int,
+    share: float,
+    settings: PrintSettings,
 ) -> WavePlan:
     """So many steps of the primal-dual method from a first guess."""
     least = grid.length / (2 * settings.wavelength) * (1 + MARGIN)
@@ -163,10 +173,10 @@ def _solved(
     if not len(curl.cell):
         return WavePlan(usual, slide, np.zeros(len(usual)), level)
     bound = weight[curl.cell]
-    dual_step = 1 / curl.row_sums() / PRIMAL_SHARE
+    dual_step = 1 / curl.row_sums() / share
     by_waves, by_slide = curl.column_sums()
     # One more row holds the number of all waves, so that the mean spacing stays what it should be.
-    waves_step, slide_step = PRIMAL_SHARE / (by_waves + 1), PRIMAL_SHARE / np.maximum(by_slide, 1)
+    waves_step, slide_step = share / (by_waves + 1), share / np.maximum(by_slide, 1)
     dual, total, uneven = first.price[curl.cell], float(usual.sum()), UNEVEN_COST / usual
     keep = 1 / (1 + waves_step * uneven)
     waves_step, slide_keep = waves_step * keep, 1 / (1 + slide_step * SLIDE_COST)
@@ -189,7 +199,7 @@ def _solved(
         np.minimum(np.maximum(new_dual, -bound, out=new_dual), bound, out=new_dual)
         if number % 20 == 19 and max(_moved(new_waves, waves), _moved(new_dual, dual)) < SETTLED:
             break
-        level += OVER_RELAXATION / PRIMAL_SHARE * (2 * float(new_waves.sum()) - float(waves.sum()) - total) / len(waves)
+        level += OVER_RELAXATION / share * (2 * float(new_waves.sum()) - float(waves.sum()) - total) / len(waves)
         for old, new in ((waves, new_waves), (slide, new_slide), (dual, new_dual), (value, new_value)):
             old *= 1 - OVER_RELAXATION
             old += OVER_RELAXATION * new
