@@ -14,7 +14,7 @@ from .analysis.slopes import face_contrast, slope_report, slope_warnings
 from .breakdown import filament_report, single_color_seconds, swap_cost, time_report
 from .calibration.calibrate import calibrated
 from .checks import check
-from .fill.paths import fill_paths
+from .fill.paths import covering, fill_areas, fill_lines
 from .gcode.standby import standby_warnings
 from .mesh import size_warnings, triangulate
 from .model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
@@ -153,7 +153,9 @@ def steps(
         weak = aside("thin features", thin_features, cut, lines, settings)
         yield stage(0.65, "fill")
         inside = run("inside", inside_of_wall, lines, depth, set_back, len(cut.polygons), FILL_TOLERANCE)
-        fill = run("fill", fill_paths, cut.regions, inside, cut.polygon_layer, settings)
+        outlined = run("covering", covering, cut.regions)
+        areas = cache.run_rows("areas", fill_areas, (inside, cut.polygon_layer), outlined, settings)
+        fill = run("fill", fill_lines, areas, outlined, cut.polygon_layer, settings)
         inner = run("inner", _joined, fill, holding.paths)
         within = run("rooms", rooms, inside, cut.polygon_layer, cut.regions)
         yield stage(0.75, "toolpaths")

@@ -13,10 +13,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
+from .model import BoolArray
 from .settings import PrintSettings
 
 Result = TypeVar("Result")
+Column = NDArray[Any]
+Columns = tuple[Column, ...]
 _NAMES = frozenset(declared.name for declared in fields(PrintSettings))
 _NOTES = "_notes"
 MOST_BYTES = 1 << 30
@@ -57,6 +61,37 @@ class StageCache:
         self._held[stage] = _Held(others, read, result)
         return result
 
+    def run_rows(
+        self, stage: str, function: Callable[..., Columns], rows: tuple[Column, ...], *arguments: Any
+    ) -> Columns:
+        """As `run`, of a function whose results have a row for each row of its first arguments, and from it alone.
+
+        Where only some rows have changed, it is only given those.
+
+        Args:
+            stage: the name that the result is kept under.
+            function: from rows and the other arguments to (N,) arrays.
+            rows: (N,) arrays, the first arguments.
+            arguments: the others.
+        """
+        held = self._held.get(stage)
+        settings = next((given for given in arguments if isinstance(given, PrintSettings)), None)
+        others = tuple(given for given in arguments if given is not settings)
+        alike = held and _is_read_alike(held, settings) and _same(held.arguments[1:], others)
+        if not held or not alike or len(held.arguments[0][0]) != len(rows[0]):
+            return self.run(stage, lambda given, *more: function(*given, *more), rows, *arguments)
+        fresh = np.flatnonzero(~_same_rows(held.arguments[0], rows))
+        kept: Columns = held.result
+        if len(fresh):
+            read = dict(held.read)
+            more = (_watched(settings, read) if given is settings and settings else given for given in arguments)
+            columns = function(*(column[fresh] for column in rows), *more)
+            kept = tuple(column.copy() for column in kept)
+            for column, part in zip(kept, columns, strict=True):
+                column[fresh] = part
+            self._held[stage] = _Held((rows, *others), read, kept)
+        return kept
+
     def former(self, name: str, value: Result) -> Result:
         """What was last kept under a name if it equals the value, so that stages know it again; else the value."""
         held = self._held.get(name)
@@ -83,6 +118,12 @@ class NoCache(StageCache):
     def run(self, stage: str, function: Callable[..., Result], *arguments: Any) -> Result:
         """The function's result."""
         return function(*arguments)
+
+    def run_rows(
+        self, stage: str, function: Callable[..., Columns], rows: tuple[Column, ...], *arguments: Any
+    ) -> Columns:
+        """The function's result."""
+        return function(*rows, *arguments)
 
     def former(self, name: str, value: Result) -> Result:
         """The value."""
@@ -133,6 +174,14 @@ def _equal_arrays(first: np.ndarray[Any, Any], second: np.ndarray[Any, Any]) -> 
     if first.dtype == object:
         return bool(shapely.equals_identical(first, second).all())
     return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")
+
+
+def _same_rows(first: Columns, second: Columns) -> BoolArray:
+    """(N,) which rows of (N,) arrays are equal in all of them."""
+    same = np.ones(len(second[0]), dtype=bool)
+    for one, other in zip(first, second, strict=True):
+        same &= shapely.equals_identical(one, other) if other.dtype == object else one == other
+    return same
 
 
 def _bytes(held: Any, seen: set[int]) -> int:

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dualcolor.core import pipeline
+from dualcolor.core.fill.paths import fill_areas
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
@@ -88,11 +90,25 @@ def test_another_picture_keeps_the_slices(monkeypatch):
     generate(model(FIRST), PrintSettings(), cache=cache)
     names = counted(cache, monkeypatch)
     generate(model(SECOND), PrintSettings(), cache=cache)
-    assert {"slicing", "contours", "sampling", "slant"}.isdisjoint(names) and {"texture", "tone"} <= set(names)
+    assert {"slicing", "contours", "sampling", "slant", "charts", "shadow"}.isdisjoint(names) and {
+        "texture",
+        "tone",
+    } <= set(names)
     moved = replace(model(SECOND), vertices=model(SECOND).vertices * 1.01)
     names.clear()
     generate(moved, PrintSettings(), cache=cache)
     assert {"slicing", "contours"} <= set(names)
+
+
+def test_a_stroke_fills_only_the_islands_anew_that_it_moves(monkeypatch):
+    cache, given = StageCache(), []
+    monkeypatch.setattr(pipeline, "fill_areas", lambda *all_of: given.append(len(all_of[0])) or fill_areas(*all_of))
+    generate(model(FIRST), PrintSettings(), cache=cache)
+    tone = FIRST.tone.copy()
+    tone[12:14] = 0.5
+    touched = generate(model(replace(FIRST, tone=tone)), PrintSettings(), cache=cache)
+    assert 0 < given[1] < given[0] / 2 and len(given) == 2
+    assert of(touched) == of(generate(model(replace(FIRST, tone=tone)), PrintSettings()))
 
 
 def test_memory_is_bounded():

@@ -63,11 +63,40 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
         INNER_WALL loops whose first centre line lies a line width inside the island's boundary, and SKIN, BRIDGE
         and INFILL lines. Islands are numbered by their place in `islands`.
     """
+    outlines = covering(sliced)
+    return fill_lines(fill_areas(islands, island_layer, outlines, settings), outlines, island_layer, settings)
+
+
+def covering(sliced: Shapes) -> Shapes:
+    """(L,) cross-sections as exact as it takes to see what covers what."""
+    return in_chunks(lambda part: (simplified(part, _SIMPLIFY_MM),), sliced)[0]
+
+
+def fill_areas(
+    islands: Shapes, island_layer: IntArray, outlines: Shapes, settings: PrintSettings
+) -> tuple[Shapes, ...]:
+    """What is filled how in each island, whatever the others are.
+
+    Args:
+        islands: (I,) as in `fill_paths`.
+        island_layer: (I,) int64.
+        outlines: (L,) cross-sections, see `covering`.
+        settings: walls, skins and fill.
+
+    Returns:
+        (I,) each: the regions bounded by the walls' centre lines, from the islands themselves in; the gaps between
+        each wall and the next; skins and sparse fill.
+    """
     width = line_widths(island_layer, settings)
     walls, fill = walls_and_fill(islands, width, settings)
-    narrow = gaps_between(walls, width)
-    (outlines,) = in_chunks(lambda part: (simplified(part, _SIMPLIFY_MM),), sliced)
-    solid, sparse = solid_and_sparse(outlines, fill, island_layer, settings)
+    return *walls, *gaps_between(walls, width), *solid_and_sparse(outlines, fill, island_layer, settings)
+
+
+def fill_lines(areas: tuple[Shapes, ...], outlines: Shapes, island_layer: IntArray, settings: PrintSettings) -> Paths:
+    """The lines that fill areas; arguments as of `fill_areas`, whose result is the first, result as of `fill_paths`."""
+    width = line_widths(island_layer, settings)
+    *bounded, solid, sparse = areas
+    walls, narrow = bounded[: len(bounded) // 2 + 1], bounded[len(bounded) // 2 + 1 :]
     spanned = bridges(solid, sparse, outlines, island_layer, settings)
     solid, sparse = without(solid, spanned), without(sparse, spanned)
     lines = [hatch_paths(planned(solid, sparse, island_layer, settings), island_layer)]
