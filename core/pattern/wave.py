@@ -137,12 +137,7 @@ def waved(
         row, share, before, after, weight = _along(pieces, lines, piece, count[piece])
         value = table.take(before, axis=0)
         value += weight[:, None] * (table.take(after, axis=0) - value)
-        phase = np.where(pieces.waves[row], np.cos(2 * np.pi * share), 0.0)
-        if settings.phase_shift_layers:
-            shift = layer_shift(layer[pieces.loop[row]], settings)
-            swing = np.where(pieces.waves[row], np.cos(2 * np.pi * share + shift), 0.0)
-        else:
-            swing = layer_sign(layer[pieces.loop[row]]) * phase
+        phase, swing = _swing(share, pieces.waves[row], layer[pieces.loop[row]], settings)
         moved = swing * value[:, 4] / 2 - value[:, 5]
         points = value[:, :2] + value[:, 2:4] * moved[:, None]
         keep = _within_tolerance(points, row - piece[0], tolerance)
@@ -172,6 +167,16 @@ def waved(
         width=value[:, 7].copy(),
         swapped=None if swapped is None else value[:, 8] > 0.5,
     )
+
+
+def _swing(
+    share: FloatArray, waves: BoolArray, layer: IntArray, settings: PrintSettings
+) -> tuple[FloatArray, FloatArray]:
+    """(Q,) t of places a share of the way along their span, and how far they swing outwards on their layer, -1 to 1."""
+    phase = np.where(waves, np.cos(2 * np.pi * share), 0.0)
+    if not settings.phase_shift_layers:
+        return phase, layer_sign(layer) * phase
+    return phase, np.where(waves, np.cos(2 * np.pi * share + layer_shift(layer, settings)), 0.0)
 
 
 def _along(
