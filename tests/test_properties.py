@@ -65,8 +65,10 @@ def test_settings_at_odds_are_an_error(group):
 
 def test_a_report_is_stored_with_the_object(group):
     assert properties.report_of(group) == {}
-    properties.set_report(group, {"layers": 7, "warnings": ["thin walls"]})
-    assert properties.report_of(group) == {"layers": 7, "warnings": ["thin walls"]}
+    told = {"bounds_mm": [[0, 0, 0], [1, 1, 1]], "layers": 7, "time_s": {}, "filament": {}, "settings": {}}
+    told |= {"warnings": ["thin walls"]}
+    properties.set_report(group, told)
+    assert properties.report_of(group) == told
 
 
 def test_every_setting_is_in_the_sidebar_once():
