@@ -154,10 +154,11 @@ def test_a_photograph_gives_the_response_back(tmp_path, response):
 def test_slopes_are_the_simulation_corrected_by_what_the_upright_wall_shows(tmp_path):
     base = shipped_table(DEFAULT)
     rows = np.stack([np.interp(np.linspace(0, 1, STEPS), base.tone, row) for row in base.reflectance])
-    same = table_of_photo(photo_of(tmp_path), DEFAULT).table
+    marks = marks_in(TILTED)
+    same = table_of_photo(photo_of(tmp_path), DEFAULT, marks).table
     assert same.slant_deg == pytest.approx(base.slant_deg)
     assert same.reflectance == pytest.approx(rows, abs=0.02)
-    lighter = table_of_photo(photo_of(tmp_path, faded), DEFAULT, ends=(0.1, 0.5)).table
+    lighter = table_of_photo(photo_of(tmp_path, faded), DEFAULT, marks, ends=(0.1, 0.5)).table
     assert lighter.reflectance[3, 8] - rows[3, 8] == pytest.approx(
         (faded(0.4) - rows[0, 8]) * (rows[3, -1] - rows[3, 0]) / (rows[0, -1] - rows[0, 0]), abs=0.015
     )
@@ -165,7 +166,7 @@ def test_slopes_are_the_simulation_corrected_by_what_the_upright_wall_shows(tmp_
 
 def test_other_settings_than_the_simulations_give_the_upright_wall_alone(tmp_path):
     settings = DEFAULT.changed({"offset_max": 0.3})
-    made = table_of_photo(photo_of(tmp_path), settings)
+    made = table_of_photo(photo_of(tmp_path), settings, marks_in(TILTED))
     assert made.table.slant_deg.tolist() == [0.0]
     assert any("upright wall alone" in note and "offset_max" in note for note in made.notes)
     assert not made.table.about.differences(settings)
@@ -236,7 +237,7 @@ def test_glare_and_a_bad_print_are_noted(tmp_path):
     def swapped(tone):
         return np.where((tone > 0.6) & (tone < 0.9), 0.3, simulated(tone))
 
-    made = table_of_photo(photo_of(tmp_path, swapped, contrast=0.0), DEFAULT)
+    made = table_of_photo(photo_of(tmp_path, swapped, contrast=0.0), DEFAULT, marks_in(TILTED))
     assert any("get darker" in note for note in made.notes)
 
 

@@ -20,7 +20,9 @@ from .photograph import Photograph
 from .step_wedge import MARKS, patch_tones, patches, quarter_tones
 
 _LONG_SIDE = 900  # pixels in which marks are looked for
-_SIGMAS = (2.5, 3.2, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5)  # of these pixels
+_SIGMAS = (2.5, 3.2, 4.0)  # of these pixels, then of pixels twice and four times as large
+_COARSER = (1, 2, 4)
+_LEAST_SIDE = 16  # pixels; no tile can be read in less
 _CANDIDATES = 22
 _PROPORTIONS = (1.2, 5.0)  # of the rectangle between the marks, which is 2.5 wide, and however it is seen
 _MOST_CONVERGENT = 2.0  # how much longer than the opposite side a side may look
@@ -45,22 +47,23 @@ def find_marks(photo: Photograph, settings: PrintSettings) -> FloatArray:
         CalibrationError: they are not found.
     """
     factor = max(math.ceil(max(photo.light.shape) / _LONG_SIDE), 1)
-    light = np.log(np.maximum(photo.reduced(factor).light.astype(np.float64), _DARKEST))
+    small = photo.reduced(factor)
     best, marks = _LEAST_SIMILAR, None
-    for sigma in _SIGMAS:
-        smooth = blurred(blurred(light, sigma, 0), sigma, 1)
-        quads = _quadrilaterals(_saddles(smooth), smooth.shape)
-        if not len(quads):
-            continue
-        similar = similarity(smooth, quads)
-        if similar.max() > best:
-            best, marks = float(similar.max()), quads[similar.argmax()]
+    for coarser in _COARSER:
+        if min(small.light.shape) < _LEAST_SIDE * coarser:
+            break
+        light = np.log(np.maximum(small.reduced(coarser).light.astype(np.float64), _DARKEST))
+        for sigma in _SIGMAS:
+            smooth = blurred(blurred(light, sigma, 0), sigma, 1)
+            quads = _quadrilaterals(_saddles(smooth), smooth.shape)
+            similar = similarity(smooth, quads)
+            if similar.max(initial=0.0) > best:
+                best, marks = float(similar.max()), (quads[similar.argmax()] + 0.5) * coarser * factor
     if marks is None:
         raise CalibrationError(
             "the corner marks were not found in the photograph",
             "photograph the whole tile from the front on a plain ground, or give its four corners",
         )
-    marks = (marks + 0.5) * factor
     patch_pixels(marks)
     return refined(photo, marks, settings)
 
