@@ -169,7 +169,7 @@ def steps(
         yield stage(0.9, "analysis")
         errors = fit.result()
         pattern = errors.shares(len(samples.arc), at_arcs(seen, lines, errors.arc))
-        slopes = slope_report(mesh, paint.result())
+        slopes = slope_report(paint.result())
         single_color = alone.result()
     thin = thin_report(weak.result(), cut)
     seconds = run("time", _seconds, moves, settings)

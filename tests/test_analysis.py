@@ -170,12 +170,12 @@ def test_flat_layers_are_not_faded(tube):
 @pytest.mark.parametrize(("degrees", "degraded", "gone"), [(10.0, 0, 1), (25.0, 1, 0), (35.0, 0, 0)])
 def test_share_of_contrast_on_a_slanted_plate_is_exact(degrees, degraded, gone):
     """White above, grey elsewhere: with white share w of the area, half of all contrast is above."""
-    mesh, paint = contrast_of(plate(np.ones((1, 1)), about_x(degrees)))
+    _, paint = contrast_of(plate(np.ones((1, 1)), about_x(degrees)))
     above, area = 1600.0, 2 * 1600.0 + 4 * 160.0
     white = above / area
     assert paint.area.sum() == pytest.approx(area)
     assert paint.mean == pytest.approx(2 * white * (1 - white) * 0.5)
-    report = slope_report(mesh, paint)
+    report = slope_report(paint)
     below = (white * 0.5 * above) / (paint.mean * area)  # the grey underside is as flat
     sides = degrees > 60
     assert report["contrast_degraded"] == pytest.approx(degraded * (0.5 + below) + sides)
@@ -185,8 +185,8 @@ def test_share_of_contrast_on_a_slanted_plate_is_exact(degrees, degraded, gone):
 
 
 def test_nothing_painted_is_no_contrast():
-    mesh, paint = contrast_of(box((0, 0, 0), (10, 10, 10)))
-    assert paint.mean == 0 and slope_report(mesh, paint)["contrast_gone"] == 0.0
+    _, paint = contrast_of(box((0, 0, 0), (10, 10, 10)))
+    assert paint.mean == 0 and slope_report(paint)["contrast_gone"] == 0.0
 
 
 def test_a_painted_plate_that_lies_is_put_upright():

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import FloatArray, IntArray, TriangleMesh
-from ..pattern.slant import face_slant_deg
+from ..pattern.slant import face_slant_deg, slant_deg_of
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids
@@ -85,9 +85,9 @@ def from_flat_deg(mesh: TriangleMesh) -> FloatArray:
     return np.asarray(90.0 - np.abs(face_slant_deg(mesh)))
 
 
-def slope_report(mesh: TriangleMesh, paint: FaceContrast) -> dict[str, float]:
+def slope_report(paint: FaceContrast) -> dict[str, float]:
     """Shares of the painted contrast and of the surface on flat slopes, for the report."""
-    angle = from_flat_deg(mesh)
+    angle = 90.0 - np.abs(slant_deg_of(paint.normal))
     gone = angle < GONE_DEG - _ROUNDING_DEG
     degraded = ~gone & (angle < DEGRADED_DEG - _ROUNDING_DEG)
     painted = paint.mean > 0

@@ -109,7 +109,7 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
     slant = average_along_wall(slant_along(lines, mesh), lines, settings.wavelength)
     tone, _ = calibrated(tone, slant, settings)
     faded = faded_share(lines, tone, slant, settings)
-    slopes = slope_report(mesh, paint)
+    slopes = slope_report(paint)
     report: dict[str, Any] = {
         "name": model.name,
         "layers": len(cut.layers),

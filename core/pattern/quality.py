@@ -87,6 +87,8 @@ def seam_errors(lines: Contours, samples: Samples, projector: Projector) -> Seam
     Phase flips are left out of t, as in the paper. Probes below nothing, or below a contour without samples, count as
     discarded.
     """
+    if not len(samples.arc):
+        return SeamErrors(np.zeros(0), np.zeros(0))
     arc, loop = places(lines, PROBE_SPACING)
     layers = int(lines.layer.max(initial=0))
     use: IntArray = np.flatnonzero((np.diff(samples.start)[loop] > 0) & (lines.layer[loop] < layers))

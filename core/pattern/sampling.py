@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import following, starts
+from ..slicing.outlines import following, preceding, starts
 from .chunks import in_chunks
 from .contours import Contours, long_enough, on_loop
 from .grid import PointGrid, nearest
@@ -41,23 +42,45 @@ class Samples:
 
 
 class Projector:
-    """Nearest places on the contours of a layer, within the projection threshold."""
+    """Nearest places on the contours of a layer, within the projection threshold; made ready when first asked."""
 
     def __init__(self, lines: Contours, threshold: float) -> None:
-        """Prepare the search on all layers of `lines`; `threshold` in mm."""
+        """Search on all layers of `lines`; `threshold` in mm."""
         self.lines = lines
         self.threshold = threshold
-        step = lines.length / np.maximum(np.diff(lines.start), 1)
+
+    @cached_property
+    def loop(self) -> IntArray:
+        """(N,) the contour of each point."""
+        return self.lines.loop
+
+    @cached_property
+    def grid(self) -> PointGrid:
+        """The points of the contours."""
+        step = self.lines.length / np.maximum(np.diff(self.lines.start), 1)
         # A place lies at most half a step from a point, so that the search has to go that much farther.
-        self.loop = lines.loop
-        reach = threshold + float(step.max(initial=0.0)) / 2
-        self.grid = PointGrid(lines.points, lines.layer[self.loop], reach / 2)
-        ahead = following(lines.start)
-        self.ahead = ahead
-        self.behind = np.empty_like(ahead)
-        self.behind[ahead] = np.arange(len(ahead))
-        self.along = lines.points[ahead] - lines.points
-        self.length = np.maximum(np.hypot(self.along[:, 0], self.along[:, 1]), 1e-9)
+        reach = self.threshold + float(step.max(initial=0.0)) / 2
+        return PointGrid(self.lines.points, self.lines.layer[self.loop], reach / 2)
+
+    @cached_property
+    def ahead(self) -> IntArray:
+        """(N,) the point that follows each one."""
+        return following(self.lines.start)
+
+    @cached_property
+    def behind(self) -> IntArray:
+        """(N,) the point before each one."""
+        return preceding(self.lines.start)
+
+    @cached_property
+    def along(self) -> FloatArray:
+        """(N, 2) mm from each point to the next."""
+        return np.asarray(self.lines.points.take(self.ahead, axis=0) - self.lines.points)
+
+    @cached_property
+    def length(self) -> FloatArray:
+        """(N,) mm from each point to the next, a trace at least."""
+        return np.asarray(np.maximum(np.hypot(self.along[:, 0], self.along[:, 1]), 1e-9))
 
     def at(self, arc: FloatArray) -> FloatArray:
         """(Q, 2) mm, the points at places (Q,) on the contours."""

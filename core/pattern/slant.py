@@ -10,7 +10,11 @@ from .contours import Contours
 
 def face_slant_deg(mesh: TriangleMesh) -> FloatArray:
     """(F,) degrees that each face's normal points above the horizon: 0 upright, 90 a top, -90 an underside."""
-    normal = mesh.area_normals
+    return slant_deg_of(mesh.area_normals)
+
+
+def slant_deg_of(normal: FloatArray) -> FloatArray:
+    """(F,) degrees that normals (F, 3) of any length point above the horizon."""
     slant = np.degrees(np.arctan2(normal[:, 2], np.hypot(normal[:, 0], normal[:, 1])))
     return np.asarray(slant, dtype=np.float64)
 
