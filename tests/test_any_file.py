@@ -18,7 +18,7 @@ def test_all_readers_are_tried():
 
 @pytest.mark.parametrize("name", NAMES)
 @given(data=st.data())
-@examples(60)
+@examples(40)
 def test_any_damage_is_read_or_refused(name, data):
     target = targets()[name]
     content = data.draw(damaged(target.seeds, target.words))

@@ -55,7 +55,7 @@ def middles_below(height, settings):
 
 
 @given(solids(), JOB_SETTINGS)
-@examples(60)
+@examples(40)
 def test_any_solids_print_where_they_are(model, changes):
     settings = PrintSettings().changed(changes)
     result = printed(model, settings)
@@ -81,7 +81,7 @@ def test_any_broken_mesh_prints_or_is_refused(model, changes):
 
 
 @given(ANY_SETTINGS)
-@examples(40)
+@examples(30)
 def test_any_settings_print_or_are_refused(values):
     try:
         settings = PrintSettings().changed(values)
