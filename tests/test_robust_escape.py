@@ -64,6 +64,8 @@ def test_jobs_are_those_of_operators(block):
 def test_escape_after_any_step_changes_nothing(block, tmp_path, name):
     import bpy
 
+    if name == "unwrap_xatlas":
+        pytest.importorskip("xatlas")
     made = getattr(bpy.ops.dualcolor, name).get_rna_type().properties
     given = {each.identifier: getattr(each, "default", None) for each in made if each.identifier != "rna_type"}
     given["filepath"] = str(tmp_path / f"out.{name[-5:]}")

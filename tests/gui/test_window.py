@@ -46,11 +46,13 @@ def user(tmp_path):
     made.close()
 
 
+VIEW = 0, 25, 1052, 722
+
+
 @pytest.fixture
 def shot(user, tmp_path):
     folder = Path(os.environ.get("DUALCOLOR_SCREENSHOTS", tmp_path)).resolve()
-    left, top, right, bottom = 0, 25, 1052, 722
-    return lambda name: user.shot(folder / f"{name}.png", (left, top, right, bottom), colours=48)
+    return lambda name, box=VIEW: user.shot(folder / f"{name}.png", box, colours=48)
 
 
 def generated(user: User) -> None:
@@ -114,7 +116,6 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.until("bpy.context.object.dualcolor.findings")
     user.press("dualcolor.repair_model")
     user.until("not bpy.context.object.dualcolor.findings")
-    shot("sidebar")
 
     user.press("dualcolor.unwrap_smart")
     user.until("len(bpy.context.object.data.uv_layers) == 2")
@@ -179,6 +180,7 @@ def test_select_shows_what_check_model_has_found(user, package, shot):
     user.until(f"not ({RUNNING})")
     time.sleep(2.0)  # for the sidebar to be drawn
     shot("check")
+    shot("sidebar", user.region("VIEW_3D", "UI"))
     user.press("dualcolor.select_finding", across=(0.95,))
     user.until("bpy.context.object.mode == 'EDIT'")
     user.until(f"not ({RUNNING})")
@@ -209,7 +211,7 @@ def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_p
         assert user.ask("bpy.context.scene.unit_settings.length_unit") == "MILLIMETERS"
         user.press("dualcolor.grey_from_color")
         user.until("bpy.context.object.dualcolor.image is not None")
-        user.shot(kept / "plate.png", (0, 25, 1052, 722), colours=48)
+        user.shot(kept / "plate.png", VIEW, colours=48)
         generated(user)
         user.press("dualcolor.render_prediction")
         user.choose_file(render)
