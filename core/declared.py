@@ -46,6 +46,7 @@ def checked(declared: Field[Any], value: Any) -> Any:
     return value
 
 
+_NEXT_TO_NOTHING = 1e-9  # what is not more is 0: no setting tells them apart, and nothing divided by it is too large
 _KIND_NAMES = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 _TRUTH = {"true": True, "1": True, "yes": True, "on": True, "false": False, "0": False, "no": False, "off": False}
 
@@ -66,4 +67,4 @@ def _converted(kind: type, value: Any) -> Any:
     number = float(value)
     if not math.isfinite(number) or (kind is int and number != int(number)):
         raise ValueError
-    return kind(number)
+    return kind(number) if abs(number) > _NEXT_TO_NOTHING else kind(0)

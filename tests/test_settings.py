@@ -68,6 +68,12 @@ def test_no_value_slips_through(name, value):
     assert type(getattr(changed, name)) is type(declared.default)
 
 
+def test_what_is_next_to_nothing_is_nothing():
+    assert PrintSettings(infill_density=1e-308).infill_density == 0
+    with pytest.raises(SettingsError, match="outside"):
+        PrintSettings(layer_height=1e-308)
+
+
 def test_reference_page_is_up_to_date():
     spec = importlib.util.spec_from_file_location("reference", ROOT / "tools" / "write_settings_reference.py")
     tool = importlib.util.module_from_spec(spec)
