@@ -147,14 +147,14 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.move(place[0], place[1] + 40)
     brightness(user, place, lambda seen: seen < unpainted - 25)
     assert user.ask(PIXELS) < clean - 100
-    shot("3_soft_proof")
+    shot("soft_proof_stroke")
     user.press("dualcolor.soft_proof")
     user.until(f"not {PROOFED}")
 
     generated(user)
     assert user.ask(STRANDS)
     user.move(*user.view())
-    shot("4_strands")
+    shot("strands")
     painted = exported(user, tmp_path / "painted.gcode")
     written = exported(user, tmp_path / "painted.x3g")
     assert written.stat().st_size > 100_000
