@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core import pipeline
+from dualcolor.core import path_stages
 from dualcolor.core.fill.paths import fill_areas
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
@@ -102,7 +102,7 @@ def test_another_picture_keeps_the_slices(monkeypatch):
 
 def test_a_stroke_fills_only_the_islands_anew_that_it_moves(monkeypatch):
     cache, given = StageCache(), []
-    monkeypatch.setattr(pipeline, "fill_areas", lambda *all_of: given.append(len(all_of[0])) or fill_areas(*all_of))
+    monkeypatch.setattr(path_stages, "fill_areas", lambda *all_of: given.append(len(all_of[0])) or fill_areas(*all_of))
     generate(model(FIRST), PrintSettings(), cache=cache)
     tone = FIRST.tone.copy()
     tone[12:14] = 0.5

@@ -21,12 +21,13 @@ from dualcolor.core.pattern.solid_regions import (
     with_solid_regions,
 )
 from dualcolor.core.pattern.wave import modulated
-from dualcolor.core.pipeline import generate, pattern_tone
+from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.texture.pyramid import build_pyramids
 from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.tool_turns import _ends, tool_of_layer
+from dualcolor.core.wall_stages import pattern_tone
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g

@@ -11,11 +11,12 @@ from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.quality import SALIENT, seam_errors
 from dualcolor.core.pattern.sampling import Projector
 from dualcolor.core.pattern.visibility import crease_visibility, front_visibility, seam_visibility, tone_visibility
-from dualcolor.core.pipeline import generate, pattern_samples
+from dualcolor.core.pipeline import generate
 from dualcolor.core.plate import plate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.stage_cache import StageCache
+from dualcolor.core.wall_stages import pattern_samples
 from dualcolor.tests.solids import box, cylinder, lathe, picture
 
 WAVES = PrintSettings(pattern="wave", wave_depth_max=0.6)

@@ -18,12 +18,12 @@ from ..pattern.sampling import Projector, Samples
 from ..pattern.slant import slant_along
 from ..pattern.visibility import at_arcs, seam_visibility, visibility_warnings
 from ..pattern.wave import average_along_wall, modulated
-from ..pipeline import pattern_samples, pattern_tone
 from ..progress import Progress, drained
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..slicing.slices import slices
 from ..texture.pyramid import build_pyramids
+from ..wall_stages import pattern_samples, pattern_tone
 from .orientation import Orientation, suggested
 from .slopes import FaceContrast, face_contrast, slope_report, slope_warnings
 from .tracelines import Tracelines, tracelines

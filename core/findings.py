@@ -1,0 +1,103 @@
+"""What a job has to tell: its report, and warnings that say what to do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .analysis.slopes import slope_report, slope_warnings
+from .breakdown import filament_report, swap_cost, time_report
+from .gcode.standby import standby_warnings
+from .mesh import size_warnings
+from .model import FloatArray, SurfaceModel, TriangleMesh
+from .path_stages import PrintedPaths, moves_without_swaps
+from .pattern.contours import Contours
+from .pattern.sampling import Samples
+from .pattern.visibility import at_arcs, visibility_warnings
+from .plate import object_rows, plate_warnings
+from .settings import PrintSettings
+from .slicing.open_layers import open_warnings
+from .slicing.planes import line_widths
+from .slicing.slices import Slices
+from .thin_features import thin_report, thin_warnings
+from .toolpaths.moves import Feature, Moves
+from .toolpaths.skirt import skirt_warnings
+from .wall_stages import PaintedWall
+
+
+def findings(
+    model: SurfaceModel, wall: PaintedWall, paths: PrintedPaths, seconds: FloatArray, settings: PrintSettings
+) -> dict[str, Any]:
+    """The report, JSON-ready, with the findings that did not stop the job under `warnings`, one sentence each.
+
+    Args:
+        model: as given.
+        wall: of the first half of the job.
+        paths: of the second one; `seconds` (M,) are those of its M moves.
+        seconds: see `paths`.
+        settings: as used.
+    """
+    mesh, cut, moves = wall.mesh, wall.cut, paths.moves
+    errors, slopes = wall.errors.result(), slope_report(wall.paint.result())
+    thin = thin_report(paths.thin.result(), cut)
+    report = _report(model, mesh, cut, moves, settings)
+    report |= {"time_s": time_report(moves, settings, paths.single_color.result(), seconds)}
+    report |= {"filament": filament_report(moves, settings)} | _solid(wall, paths, seconds, settings)
+    report |= {"pattern": errors.shares(len(wall.samples.arc), at_arcs(wall.visibility, wall.lines, errors.arc))}
+    report |= {"slopes": slopes, "thin_features": thin}
+    report["warnings"] = [
+        *plate_warnings(model, mesh, cut.overlaps, settings),
+        *_warnings(cut, wall.lines, wall.samples, settings),
+        *size_warnings(mesh, model.name, settings),
+        *thin_warnings(thin, settings),
+        *skirt_warnings(moves, settings),
+        *slope_warnings(slopes),
+        *standby_warnings(moves, seconds, settings),
+        *visibility_warnings(mesh, settings),
+        *wall.notes,
+    ]
+    return report
+
+
+def _solid(wall: PaintedWall, paths: PrintedPaths, seconds: FloatArray, settings: PrintSettings) -> dict[str, Any]:
+    """The report's part on solid regions, with what tool changes within layers cost."""
+    if wall.outlines.swapped is None:
+        return wall.solid
+    alike = moves_without_swaps(wall, paths, settings)
+    return {"solid_regions": wall.solid["solid_regions"] | swap_cost(paths.moves, seconds, alike, settings)}
+
+
+def _warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSettings) -> list[str]:
+    warnings = []
+    if cut.united_layers:
+        warnings.append(f"outlines that cross were united: in {cut.united_layers} of {len(cut.layers)} layers")
+    warnings += open_warnings(cut.open_layers, cut.polygon_layer, cut.layers)
+    if len(cut.specks.layer):
+        warnings.append(f"outlines smaller than a strand are left out: {len(cut.specks.layer)} in all layers")
+    full = line_widths(lines.layer, settings)[lines.loop]
+    thin = float((lines.width < 0.999 * full).mean()) if len(lines.width) else 0.0
+    if thin > 0.01:
+        warnings.append(f"{thin:.0%} of the outline bounds walls thinner than two lines; they print with thinner lines")
+    short = int((np.diff(samples.start) == 0).sum())
+    if len(samples.arc) and short:
+        warnings.append(
+            f"outlines too short for the pattern print without a wave: {short} of {len(lines.layer)} in all layers"
+        )
+    return warnings
+
+
+def _report(
+    model: SurfaceModel, mesh: TriangleMesh, cut: Slices, moves: Moves, settings: PrintSettings
+) -> dict[str, Any]:
+    return {
+        "name": model.name,
+        "objects": object_rows(model, mesh),
+        "layers": len(cut.layers),
+        "raft_layers": settings.raft_layers,
+        "tool_changes": int((np.diff(moves.tool) != 0).sum()),
+        "bounds_mm": mesh.bounds.tolist(),
+        "settings": settings.as_dict(),
+        "outline_spans": int((np.diff((moves.feature == Feature.OUTER_WALL).astype(np.int8)) > 0).sum()),
+        "gcode": {"bytes": 0, "moves": len(moves.tool)},
+    }

@@ -1,0 +1,108 @@
+"""The second half of the job: from the waved outer wall to the moves of the whole print in order."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from concurrent.futures import Future
+from dataclasses import dataclass, replace
+
+from shapely import Geometry
+
+from .breakdown import single_color_seconds
+from .checks import check
+from .fill.paths import covering, fill_areas, fill_lines
+from .progress import Progress
+from .settings import PrintSettings
+from .slicing.planes import Layers
+from .slicing.slices import Slices
+from .stages import Stages
+from .supports.paths import Supports, supports, with_supports
+from .thin_features import ThinFeatures, thin_features
+from .toolpaths.assemble import assemble
+from .toolpaths.moves import Moves, Paths
+from .toolpaths.order import ordered
+from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
+from .toolpaths.raft import lifted, raised
+from .toolpaths.surroundings import ground, shadow, surrounding_paths
+from .toolpaths.travels import Rooms, rooms
+from .wall_stages import PaintedWall
+
+# Outlines behind the wave may differ from the true ones by this much, mm.
+FILL_TOLERANCE = 0.02
+# Up to so many points of outlines the same object in a single colour is worked out beside the toolpaths.
+MOST_POINTS_TWICE = 1_000_000
+
+
+@dataclass(frozen=True)
+class PrintedPaths:
+    """All that is extruded, and the moves between.
+
+    Attributes:
+        inner: fill and supports.
+        around: skirt or brim, tower, shield and raft.
+        within: where travels may go.
+        moves: the print in order.
+        thin: features too thin for a wall, worked out beside the stages.
+        single_color: seconds that the same object takes in one colour, worked out beside the stages.
+    """
+
+    inner: Paths
+    around: Paths
+    within: Rooms
+    moves: Moves
+    thin: Future[ThinFeatures]
+    single_color: Future[float]
+
+
+def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PrintedPaths]:
+    """Hold, fill, surround and order: yields before each stage, returns the paths.
+
+    Raises:
+        PrintError: the print does not fit the printer.
+    """
+    run, aside, cut, lines = stages.run, stages.aside, wall.cut, wall.lines
+    yield stages.begin(0.6, "supports")
+    holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
+    shade = aside("shadow", _shadow, cut, holding, settings)
+    thin = aside("thin features", thin_features, cut, lines, settings)
+    yield stages.begin(0.65, "fill")
+    inside = run("inside", inside_of_wall, lines, wall.depth, wall.set_back, len(cut.polygons), FILL_TOLERANCE)
+    outlined = run("covering", covering, cut.regions)
+    areas = stages.run_rows("areas", fill_areas, (inside, cut.polygon_layer), outlined, settings)
+    fill = run("fill", fill_lines, areas, outlined, cut.polygon_layer, settings)
+    inner = run("inner", _joined, fill, holding.paths)
+    within = run("rooms", rooms, inside, cut.polygon_layer, cut.regions)
+    yield stages.begin(0.75, "toolpaths")
+    plain = single_color_seconds, wall.outlines, inner, cut.layers, settings, within
+    # Beside the toolpaths of a large print it would take a third more memory: its tables are as large as theirs.
+    alone = aside("single color", *plain) if len(wall.outlines.points) < MOST_POINTS_TWICE else None
+    outer = outer_wall_paths(wall.outlines)
+    around = run("surroundings", _surroundings, shade.result(), cut, holding, outer, settings)
+    moves = run("toolpaths", _moves, outer, inner, around, cut.layers, within, settings)
+    return PrintedPaths(inner, around, within, moves, thin, alone or aside("single color", *plain))
+
+
+def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
+    """The print with each layer's whole wall in the layer's own colour, to tell what the tool changes cost."""
+    outer = outer_wall_paths(replace(wall.outlines, swapped=None))
+    return _moves(outer, paths.inner, paths.around, wall.cut.layers, paths.within, settings)
+
+
+def _joined(fill: Paths, holding: Paths) -> Paths:
+    return Paths.joined([fill, holding])
+
+
+def _shadow(cut: Slices, holding: Supports, settings: PrintSettings) -> Geometry:
+    return shadow(with_supports(cut.regions, holding.areas, settings), settings)
+
+
+def _surroundings(shade: Geometry, cut: Slices, holding: Supports, wall: Paths, settings: PrintSettings) -> Paths:
+    first = with_supports(cut.regions[:1], holding.areas[:1], settings)
+    return surrounding_paths(ground(shade, first, wall, settings), raised(cut.layers, settings), settings)
+
+
+def _moves(wall: Paths, inner: Paths, around: Paths, layers: Layers, within: Rooms, settings: PrintSettings) -> Moves:
+    part = lifted(Paths.joined([wall, inner]), settings)
+    moves = assemble(ordered(Paths.joined([part, around]), settings), raised(layers, settings), settings, within)
+    check(moves, settings)
+    return moves

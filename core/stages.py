@@ -1,0 +1,63 @@
+"""How the stages of a job are run: their time is noted, their results are kept, and work goes on beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from types import TracebackType
+from typing import Any
+
+from .progress import Progress
+from .report import StageClock, peak_rss_mb
+from .stage_cache import NoCache, StageCache
+
+
+class Stages:
+    """What runs the stages of one job; as a context it waits at its end for the work beside them.
+
+    Args:
+        cache: keeps results for the next job; None for a job that is run once.
+
+    Attributes:
+        run: calls a function unless the cache holds its result, see `StageCache.run`.
+        run_rows: the same for functions of rows, see `StageCache.run_rows`.
+        former: a value that the cache may know, see `StageCache.former`.
+    """
+
+    def __init__(self, cache: StageCache | None) -> None:
+        self._cache = cache or NoCache()
+        self._clock = StageClock()
+        self._beside = ThreadPoolExecutor(1)
+        self.run, self.run_rows, self.former = self._cache.run, self._cache.run_rows, self._cache.former
+
+    def __enter__(self) -> Stages:
+        """Nothing is to be made ready."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Wait for the work beside the stages."""
+        self._beside.shutdown()
+
+    def begin(self, done: float, name: str) -> Progress:
+        """The next stage begins; what a job's generator has to yield then."""
+        self._clock.begin(name)
+        return done, name
+
+    def aside(self, name: str, work: Callable[..., Any], *inputs: Any) -> Future[Any]:
+        """Run work in another thread, one after the other; inputs may be what earlier such work gives."""
+        return self._beside.submit(self._clock.timed, name, lambda: self.run(name, work, *map(_known, inputs)))
+
+    def ended(self) -> dict[str, Any]:
+        """The part of the report on time and memory, once no stage is to come."""
+        self._cache.trim()
+        self._clock.stop()
+        seconds = self._clock.seconds
+        told = {"stages_s": seconds, "total_s": sum(seconds.values())}
+        return told | {"beside_s": self._clock.beside, "peak_rss_mb": peak_rss_mb()}
+
+
+def _known(value: Any) -> Any:
+    """What work in the same thread, ahead of this, has made; anything else as it is."""
+    return value.result() if isinstance(value, Future) else value

@@ -1,0 +1,157 @@
+"""The first half of the job: from the painted mesh to the waved outer wall of all layers."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .analysis.slopes import FaceContrast, face_contrast
+from .calibration.calibrate import calibrated
+from .mesh import triangulate
+from .model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
+from .pattern.contours import Contours, contours
+from .pattern.optimized import optimized_samples
+from .pattern.quality import SeamErrors, seam_errors
+from .pattern.sampling import Projector, Samples, sample
+from .pattern.slant import slant_along
+from .pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
+from .pattern.strand_edges import widened
+from .pattern.visibility import seam_visibility
+from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
+from .progress import Progress
+from .settings import PrintSettings
+from .slicing.slices import Slices, slices
+from .stages import Stages
+from .texture.labels import uv_charts
+from .texture.lookup import tone_at
+from .texture.pyramid import TexturePyramids, build_pyramids, sizes_of
+
+
+@dataclass(frozen=True)
+class PaintedWall:
+    """The outer wall with the picture on it.
+
+    Attributes:
+        mesh: as sliced, on the bed.
+        cut: its slices.
+        lines: N contour points, a line's width inside the slices.
+        samples: of the pattern; none for `offset`.
+        visibility: (N,) of seams, None for alike everywhere.
+        depth: (N,) mm of the waves.
+        set_back: (N,) mm of the line.
+        outlines: as printed.
+        solid: the report's part on solid regions.
+        notes: warnings of the calibration.
+        errors: of the seams, worked out beside the stages.
+        paint: on the faces, worked out beside the stages.
+    """
+
+    mesh: TriangleMesh
+    cut: Slices
+    lines: Contours
+    samples: Samples
+    visibility: FloatArray | None
+    depth: FloatArray
+    set_back: FloatArray
+    outlines: WavedOutlines
+    solid: dict[str, Any]
+    notes: list[str]
+    errors: Future[SeamErrors]
+    paint: Future[FaceContrast]
+
+
+def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PaintedWall]:
+    """Slice, sample, look up the tones and wave: yields before each stage, returns the wall.
+
+    Raises:
+        PrintError: the input cannot be printed.
+    """
+    run, aside = stages.run, stages.aside
+    yield stages.begin(0.0, "mesh")
+    mesh = stages.former("mesh", triangulate(model, settings))
+    footprint = 2 * settings.layer_height
+    charts = aside("charts", uv_charts, mesh, sizes_of(model.textures))
+    painting = aside("texture", build_pyramids, mesh, model.textures, footprint, settings.texture_filter, charts)
+    yield stages.begin(0.05, "slicing")
+    cut = run("slicing", slices, mesh, settings)
+    yield stages.begin(0.2, "contours")
+    lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings)
+    yield stages.begin(0.3, "sampling")
+    projector = run("projector", Projector, lines, settings.projection_threshold)
+    early = run("tone", pattern_tone, lines, painting.result(), settings) if settings.hide_seams else None
+    seen = run("visibility", seam_visibility, lines, cut.layers.plane, mesh, model.textures, early, settings)
+    samples = run("sampling", pattern_samples, lines, projector, settings, seen)
+    yield stages.begin(0.4, "texture")
+    pyramids = painting.result()
+    errors = aside("seam errors", seam_errors, lines, samples, projector)
+    paint = aside("slopes", face_contrast, mesh, pyramids, settings)
+    yield stages.begin(0.45, "tone")
+    tone = run("tone", pattern_tone, lines, pyramids, settings) if early is None else early
+    del charts, painting, pyramids  # as large as the moves that are to come
+    yield stages.begin(0.5, "modulation")
+    slant = run("slant", _slant, lines, mesh, settings.wavelength)
+    printed, notes = run("calibration", calibrated, tone, slant, settings)
+    depth, set_back = run("modulation", modulated, lines, printed, slant, settings)
+    set_back = run("strand edges", widened, lines, printed, set_back, settings)
+    depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
+    outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings, swapped)
+    return PaintedWall(
+        mesh, cut, lines, samples, seen, depth, set_back, outlines, solid, notes, errors, paint
+    )  # fmt: skip
+
+
+def pattern_samples(
+    lines: Contours, projector: Projector, settings: PrintSettings, visibility: FloatArray | None = None
+) -> Samples:
+    """Where the waves sit, by the scheme that is set; nowhere for `offset`.
+
+    Args:
+        lines: N contour points.
+        projector: made for them.
+        settings: those of the pattern are used.
+        visibility: (N,) 0 to 1, how much a seam is seen there; None is alike everywhere.
+    """
+    if settings.pattern == "offset":
+        return Samples(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(len(lines.layer) + 1, dtype=np.int64))
+    if settings.sampling == "paper":
+        return sample(lines, projector, settings)
+    return optimized_samples(lines, projector, settings, visibility)
+
+
+def pattern_tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -> FloatArray:
+    """(N,) tone at every contour point, no finer than the pattern can show."""
+    tone = tone_at(pyramids, lines.face, lines.carried[:, :2], lines.carried[:, 2], settings.background_tone)
+    if settings.pattern == "offset" or settings.texture_filter == "lanczos":
+        return tone
+    # The look-up has averaged over a layer pair in all directions; a wave cannot show more than one tone along it, but
+    # where it fades as the line is set back, the line can.
+    share = 1.0 if settings.pattern == "wave" else 0.5
+    return average_along_wall(tone, lines, settings.wavelength * share)
+
+
+def _solid_colours(
+    lines: Contours,
+    tone: FloatArray,
+    slant_deg: FloatArray,
+    depth: FloatArray,
+    set_back: FloatArray,
+    projector: Projector,
+    settings: PrintSettings,
+) -> tuple[FloatArray, FloatArray, BoolArray | None, dict[str, Any]]:
+    """Depth and set-back with regions of pure black and white as it is set, what the other tool prints, the report."""
+    if settings.solid_regions == "none":
+        return depth, set_back, None, {}
+    solid = solid_regions(lines, tone, slant_deg, projector, settings)
+    swapped = left_to_other_tool(lines, solid, settings) if settings.solid_regions == "tool_change" else None
+    without = depth
+    depth, set_back = with_solid_regions(lines, depth, set_back, slant_deg, solid, settings, swapped)
+    report = solid_report(lines, solid, without, depth, settings, swapped)
+    return depth, set_back, swapped, {"solid_regions": report}
+
+
+def _slant(lines: Contours, mesh: TriangleMesh, wavelength: float) -> FloatArray:
+    return average_along_wall(slant_along(lines, mesh), lines, wavelength)
