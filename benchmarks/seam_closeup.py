@@ -36,7 +36,7 @@ from PIL import Image, ImageDraw, ImageFont  # noqa: E402
 from sampling import obj_model  # noqa: E402
 
 OUT = ROOT / "docs" / "images" / "seam_closeup.png"
-WIDTH_MM, HEIGHT_MM, MM_PER_PIXEL, SAMPLES = 13.0, 10.0, 0.03, 32
+WIDTH_MM, HEIGHT_MM, MM_PER_PIXEL, SAMPLES = 13.0, 10.0, 0.03, 12
 AROUND_MM = 2.5  # seams so near belong to a dislocation
 KEPT_MM = 12.0  # strands so near are printed
 STEEPEST_DEG = 30.0  # from upright, of the walls that are looked at
