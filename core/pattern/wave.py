@@ -140,13 +140,7 @@ def waved(
         phase, swing = _swing(share, pieces.waves[row], layer[pieces.loop[row]], settings)
         moved = swing * value[:, 4] / 2 - value[:, 5]
         points = value[:, :2] + value[:, 2:4] * moved[:, None]
-        keep = _within_tolerance(points, row - piece[0], tolerance)
-        if swapped is not None:
-            keep[1:] |= np.diff(value[:, 8] > 0.5)
-        # The last point of a span is the first one of the next.
-        keep[:-1] &= row[1:] == row[:-1]
-        keep[-1] = False
-        kept = np.flatnonzero(keep)
+        kept = _kept(points, row - piece[0], tolerance, value[:, 8:] > 0.5)
         nearest = np.where(weight[kept] < 0.5, before[kept], after[kept])
         uv = lines.carried.take(nearest, axis=0)[:, :2]
         return points.take(kept, axis=0), value.take(kept, axis=0), phase[kept], pieces.loop[row[kept]], uv
@@ -203,6 +197,16 @@ def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: Prin
     chord = np.where(pieces.waves, chord, np.inf)
     own = settings.wavelength / POINTS_PER_WAVELENGTH
     return np.asarray(np.ceil(pieces.length / np.minimum(chord, own)), dtype=np.int64)
+
+
+def _kept(points: FloatArray, piece: IntArray, tolerance: float, tools: BoolArray) -> IntArray:
+    """Rows that remain of (Q, 2) points of pieces, of columns of tools too where they differ: no piece's last one."""
+    keep = _within_tolerance(points, piece, tolerance)
+    keep[1:] |= (tools[1:] != tools[:-1]).any(axis=1)
+    # The last point of a span is the first one of the next.
+    keep[:-1] &= piece[1:] == piece[:-1]
+    keep[-1] = False
+    return np.flatnonzero(keep)
 
 
 def _within_tolerance(
