@@ -16,6 +16,7 @@ from ..core.picture_shapes import PictureShape, fitted, picture_plate, picture_t
 from ..core.settings import PrintSettings
 from .add_figures import DUALCOLOR_OT_add_figure_cylinder, draw_figure_entries
 from .calibrate import DUALCOLOR_OT_add_calibration_tile
+from .polls import in_object_mode
 from .viewing import frame_selected, show_pictures
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr", ".tga", ".webp")
@@ -54,10 +55,7 @@ class _AddPicture(ImportHelper):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Objects can be added only in object mode."""
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode first")
-            return False
-        return True
+        return in_object_mode(cls, context)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the picture unless it was dropped in."""

@@ -8,6 +8,7 @@ from ..bridge.picture_objects import add_picture_object
 from ..core.errors import PrintError
 from ..core.figure_cylinders import FIGURES, figure_cylinder
 from ..core.settings import PrintSettings
+from .polls import in_object_mode
 from .viewing import frame_selected, show_pictures
 
 ICONS = {"gradient": "NODE_TEXTURE", "checkered": "TEXTURE", "phase_shifted": "MOD_WAVE", "attenuated": "IPO_SINE"}
@@ -41,10 +42,7 @@ class DUALCOLOR_OT_add_figure_cylinder(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Objects can be added only in object mode."""
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode first")
-            return False
-        return True
+        return in_object_mode(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Add the cylinder with the settings that it takes."""

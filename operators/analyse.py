@@ -8,8 +8,9 @@ from ..bridge.curves import source_of
 from ..bridge.orientations import keep_orientations
 from ..bridge.overlays import overlays_of, remove_analysis, show_analysis
 from ..core.analysis.study import analysis_steps
-from .generate import active_model, has_printable
+from .generate import active_model
 from .job import JobOperator, Steps
+from .polls import has_printable
 
 
 class DUALCOLOR_OT_analyse(JobOperator, bpy.types.Operator):

@@ -17,7 +17,7 @@ from ..core.calibration.read_photo import table_of_photo
 from ..core.calibration.table import write_table
 from ..core.errors import PrintError
 from ..core.settings import PrintSettings
-from .generate import has_printable
+from .polls import has_printable, in_object_mode
 from .viewing import frame_selected, show_pictures
 
 _CORNERS = ("upper left", "upper right", "lower right", "lower left")
@@ -33,10 +33,7 @@ class DUALCOLOR_OT_add_calibration_tile(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Objects can be added only in object mode."""
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Switch to Object Mode first")
-            return False
-        return True
+        return in_object_mode(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Add the tile."""

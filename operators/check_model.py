@@ -10,7 +10,7 @@ from ..bridge.model_check import TITLES, Findings, check_steps, repair, select
 from ..bridge.properties import set_findings
 from ..core.progress import Progress, retold
 from .job import JobOperator, Steps
-from .unwrap import has_mesh
+from .polls import has_mesh
 from .viewing import frame_selected
 
 _LINES_OF_A_WALL = 2

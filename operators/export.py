@@ -10,8 +10,9 @@ from bpy_extras.io_utils import ExportHelper
 from ..bridge.curves import source_of
 from ..bridge.properties import set_report
 from ..core.exports import export_gcode, export_x3g
-from .generate import has_printable, printed
+from .generate import printed
 from .job import JobOperator, Steps
+from .polls import has_printable
 
 
 class FileExport(JobOperator, ExportHelper):

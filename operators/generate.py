@@ -7,7 +7,6 @@ from collections.abc import Generator
 import bpy
 
 from ..bridge.curves import build_preview, source_of
-from ..bridge.mesh_input import WITH_SURFACE
 from ..bridge.plate import check_present, objects_to_print, plate_model
 from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept, stages_of
@@ -16,17 +15,9 @@ from ..core.pipeline import DualColorPrint, steps
 from ..core.progress import Progress, retold
 from ..core.settings import PrintSettings
 from .job import JobOperator, Steps
+from .polls import has_printable
 
 _SHARE_OF_PIPELINE = 0.95
-
-
-def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether an object that can be printed, or the strands of one, is active; sets the poll message."""
-    obj = source_of(context.object)
-    if obj is None or obj.type not in WITH_SURFACE:
-        cls.poll_message_set("Select a mesh object first")
-        return False
-    return True
 
 
 def active_model(context: bpy.types.Context) -> tuple[bpy.types.Object, SurfaceModel, PrintSettings]:

@@ -8,8 +8,9 @@ from ..bridge.curves import source_of
 from ..bridge.orientations import keep_orientations, orientations_of, turn
 from ..bridge.overlays import remove_analysis
 from ..core.analysis.study import orientations
-from .generate import active_model, has_printable
+from .generate import active_model
 from .job import JobOperator, Steps
+from .polls import has_printable
 
 
 class DUALCOLOR_OT_suggest_orientation(JobOperator, bpy.types.Operator):

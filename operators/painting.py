@@ -19,7 +19,7 @@ from ..core.progress import retold
 from ..core.texture.decode import LUMINANCE
 from ..core.texture.grade import Grade
 from .job import JobOperator, Steps
-from .unwrap import has_mesh
+from .polls import has_mesh
 from .viewing import show_pictures
 
 

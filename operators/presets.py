@@ -24,7 +24,7 @@ from ..core.presets import (
     settings_json,
 )
 from ..core.settings import PrintSettings
-from .generate import has_printable
+from .polls import has_printable
 
 _KIND_ITEMS = [(kind, kind.title(), "") for kind in KINDS]
 

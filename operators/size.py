@@ -9,7 +9,7 @@ from ..bridge.bed import bounds_mm, scale_to_height
 from ..bridge.curves import source_of
 from ..bridge.properties import repaint_proof
 from ..bridge.units import mm_per_unit, use_millimetres
-from .generate import has_printable
+from .polls import has_printable
 from .viewing import frame_selected
 
 _USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0

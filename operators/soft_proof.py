@@ -9,7 +9,7 @@ from ..bridge.proof_views import show_as_before, show_materials
 from ..bridge.properties import to_settings
 from ..bridge.soft_proof import hide_proof, is_proofed, proof_notes, show_proof
 from ..core.errors import PrintError
-from .unwrap import has_mesh
+from .polls import has_mesh
 
 
 class DUALCOLOR_OT_soft_proof(bpy.types.Operator):

@@ -12,18 +12,7 @@ from ..bridge.properties import repaint_proof
 from ..bridge.unwrap import smart_project, unwrap_steps
 from ..core.unwrapping import ChartOptions, PackOptions
 from .job import JobOperator, Steps
-
-
-def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether a mesh with faces is active in Object Mode; sets the poll message."""
-    obj = context.object
-    if obj is None or obj.type != "MESH" or not len(obj.data.polygons):
-        cls.poll_message_set("Select a mesh object with faces first")
-        return False
-    if obj.mode == "EDIT":
-        cls.poll_message_set("Leave Edit Mode first")
-        return False
-    return True
+from .polls import has_mesh
 
 
 @cache

@@ -100,7 +100,8 @@ def set_back(plain: Path, painted: Path) -> tuple[np.ndarray, np.ndarray]:
     return after[new], far
 
 
-def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
+def add_monkey(user, package):
+    """Install the extension and add a monkey, 60 mm high, in its tab."""
     user.install(package)
     user.open_tab()
     user.move(*user.view())
@@ -110,6 +111,10 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.press("dualcolor.scale_to_height")
     user.keys("Return")
     user.until("abs(bpy.context.object.dimensions.z - 60) < 0.1")
+
+
+def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
+    add_monkey(user, package)
     user.press("dualcolor.show_bed")
     user.until("bpy.context.object.dualcolor.show_bed")
     user.press("dualcolor.check_model")
@@ -167,15 +172,7 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
 
 
 def test_select_shows_what_check_model_has_found(user, package, shot):
-    user.install(package)
-    user.open_tab()
-    user.move(*user.view())
-    user.keys("a", "x", "Return")
-    user.search("monkey")
-    user.until("bpy.context.object is not None")
-    user.press("dualcolor.scale_to_height")
-    user.keys("Return")
-    user.until("abs(bpy.context.object.dimensions.z - 60) < 0.1")
+    add_monkey(user, package)
     user.press("dualcolor.check_model")
     user.until("bpy.context.object.dualcolor.findings")
     user.until(f"not ({RUNNING})")

@@ -1,0 +1,37 @@
+"""Where operators can be used, with the reason where they cannot."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..bridge.curves import source_of
+from ..bridge.mesh_input import WITH_SURFACE
+
+
+def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether an object that can be printed, or the strands of one, is active; sets the poll message."""
+    obj = source_of(context.object)
+    if obj is None or obj.type not in WITH_SURFACE:
+        cls.poll_message_set("Select a mesh object first")
+        return False
+    return True
+
+
+def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether a mesh with faces is active in Object Mode; sets the poll message."""
+    obj = context.object
+    if obj is None or obj.type != "MESH" or not len(obj.data.polygons):
+        cls.poll_message_set("Select a mesh object with faces first")
+        return False
+    if obj.mode == "EDIT":
+        cls.poll_message_set("Leave Edit Mode first")
+        return False
+    return True
+
+
+def in_object_mode(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether objects can be added; sets the poll message."""
+    if context.mode != "OBJECT":
+        cls.poll_message_set("Switch to Object Mode first")
+        return False
+    return True
