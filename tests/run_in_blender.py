@@ -6,6 +6,7 @@
 Its Python must have pytest, hypothesis, shapely and Pillow. Paths among the arguments replace the choice of tests.
 """
 
+import os
 import re
 import sys
 from pathlib import Path
@@ -24,5 +25,7 @@ def files_with_blender() -> list[str]:
 arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
 files = [] if any(Path(argument).exists() for argument in arguments) else files_with_blender()
 status = pytest.main(["--rootdir", str(TESTS.parent), "-p", "no:cacheprovider", "-rs", *arguments, *files])
-if status:
-    raise SystemExit(int(status))
+sys.stdout.flush()
+sys.stderr.flush()
+# The module of Blender 4.5 may wait for itself for ever when the interpreter ends.
+os._exit(int(status))
