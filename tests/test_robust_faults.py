@@ -69,7 +69,8 @@ def test_a_killed_job_tidies_up(tmp_path, number):
         "from pathlib import Path; from time import sleep\n"
         "from dualcolor.core.outputs import OutputFiles, ended_by_signals\n"
         "with ended_by_signals(), OutputFiles([Path('a.gcode')]) as files:\n"
-        "    files.staged(Path('a.gcode')).write_text('half'); print('now', flush=True); sleep(60)\n"
+        "    files.staged(Path('a.gcode')).write_text('half'); print('now', flush=True)\n"
+        "    for _ in range(600): sleep(0.1)  # a signal just ahead of one long sleep would wait for its end\n"
     )
     (tmp_path / "a.gcode").write_text("kept")
     with subprocess.Popen(
