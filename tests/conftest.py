@@ -38,3 +38,16 @@ def scene():
     bpy = pytest.importorskip("bpy")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     return bpy.context.scene
+
+
+@pytest.fixture
+def registered():
+    """The extension, in a scene of its own, which is empty and in millimetres."""
+    pytest.importorskip("bpy")
+    import dualcolor
+    from scene import fresh
+
+    fresh()
+    dualcolor.register()
+    yield
+    dualcolor.unregister()

@@ -5,21 +5,13 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-import dualcolor  # noqa: E402
 from dualcolor.bridge.ambient_occlusion import darkened, occlusion, occlusion_steps  # noqa: E402
 from dualcolor.core.errors import TextureError  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb  # noqa: E402
-from scene import add_box, add_mesh, add_uvs, flat_image, fresh  # noqa: E402
+from scene import add_box, add_mesh, add_uvs, flat_image  # noqa: E402
 
 KINDS = ("scenes", "worlds", "objects", "meshes", "materials", "images")
-
-
-@pytest.fixture(autouse=True)
-def registered():
-    fresh()
-    dualcolor.register()
-    yield
-    dualcolor.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def counts():

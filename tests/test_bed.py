@@ -7,20 +7,12 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-import dualcolor  # noqa: E402
 from dualcolor.bridge.bed import bed_origin_mm, bounds_mm, reach_lines, volume_lines, what_does_not_fit  # noqa: E402
 from dualcolor.core.printer import printer_profile  # noqa: E402
-from scene import add_box, fresh  # noqa: E402
+from scene import add_box  # noqa: E402
 
 PRINTER = printer_profile("replicator_2x")
-
-
-@pytest.fixture(autouse=True)
-def registered():
-    fresh()
-    dualcolor.register()
-    yield
-    dualcolor.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def test_bounds_are_in_the_world_and_in_mm():

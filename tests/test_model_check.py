@@ -6,27 +6,16 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 import bmesh  # noqa: E402
-import dualcolor  # noqa: E402
 from dualcolor.bridge.model_check import Findings, check_steps  # noqa: E402
 from dualcolor.bridge.properties import findings_of  # noqa: E402
-from scene import CUBE, CUBE_FACES, add_box, add_mesh, fresh  # noqa: E402
+from dualcolor.core.progress import drained  # noqa: E402
+from scene import CUBE, CUBE_FACES, add_box, add_mesh  # noqa: E402
 
-
-@pytest.fixture(autouse=True)
-def registered():
-    fresh()
-    dualcolor.register()
-    yield
-    dualcolor.unregister()
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def found_on(obj, least_wall_mm=0.8) -> Findings:
-    job = check_steps(obj, least_wall_mm)
-    while True:
-        try:
-            next(job)
-        except StopIteration as finished:
-            return finished.value
+    return drained(check_steps(obj, least_wall_mm))
 
 
 def test_a_box_is_sound():

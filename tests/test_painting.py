@@ -5,20 +5,11 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-import dualcolor  # noqa: E402
 from dualcolor.bridge.painting import picture_size  # noqa: E402
 from dualcolor.core.errors import TextureError  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb, srgb_from_linear  # noqa: E402
 from dualcolor.core.texture.grade import Grade, graded  # noqa: E402
-from scene import add_box, add_material, add_uvs, flat_image, fresh  # noqa: E402
-
-
-@pytest.fixture
-def registered():
-    fresh()
-    dualcolor.register()
-    yield
-    dualcolor.unregister()
+from scene import add_box, add_material, add_uvs, flat_image  # noqa: E402
 
 
 def test_srgb_there_and_back():

@@ -28,14 +28,6 @@ from scene import add_box, add_material, add_mesh, add_uvs, flat_image, fresh, m
 KINDS = ("materials", "images", "node_groups", "objects", "meshes", "scenes")
 
 
-@pytest.fixture
-def registered():
-    fresh()
-    dualcolor.register()
-    yield
-    dualcolor.unregister()
-
-
 def picture(tone, name="picture"):
     """An sRGB image of tones (H, W), row 0 at the bottom."""
     tone = np.asarray(tone, dtype=np.float64)

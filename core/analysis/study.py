@@ -159,7 +159,7 @@ def faded_share(lines: Contours, tone: FloatArray, slant_deg: FloatArray, settin
 
 
 def _faded_report(lines: Contours, faded: FloatArray) -> dict[str, float]:
-    step = np.diff(np.append(lines.arc, lines.arc_start[-1]))
+    step = lines.step
     total = max(float(step.sum()), 1e-12)
     return {
         "share": float(step[faded > 0.05].sum()) / total,

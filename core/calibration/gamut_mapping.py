@@ -8,7 +8,7 @@ import numpy as np
 
 from ..model import FloatArray
 from ..settings import PrintSettings
-from .table import ToneTable
+from .table import ToneTable, slope_shares
 
 WHOLE_RANGE = (0.0, 1.0)
 _SPECK_MM2, _SPECK_SHARE = 1.0, 0.001
@@ -59,7 +59,8 @@ def printable_tones(
     known = table.upright if settings.calibration == "upright" else table
     target = targets(known, settings.gamut_mapping, tones, image_range)
     printed = np.tile(tones, (len(target), 1)) if settings.calibration == "none" else known.printed(target)
-    target, printed = (_between(known.slant_deg, slants, rows) for rows in (target, printed))
+    shares = slope_shares(known.slant_deg, slants)
+    target, printed = shares @ target, shares @ printed
     return PrintableTones(tones, slants, target, printed, table.seen(printed, slants))
 
 
@@ -122,12 +123,3 @@ def targets(table: ToneTable, mapping: str, tone: FloatArray, image_range: tuple
     lighter = np.maximum(low + shared - (black + span), 0.0)
     darker = np.maximum(black + shared - high, 0.0)
     return np.asarray(black + place * span + lighter - darker)
-
-
-def _between(slants: FloatArray, wanted: FloatArray, rows: FloatArray) -> FloatArray:
-    """(W, K) rows (S, K) that hold for some slopes (S,), interpolated for those wanted (W,)."""
-    at = np.interp(wanted, slants, np.arange(len(slants)))
-    first = np.minimum(at.astype(np.int64), max(len(slants) - 2, 0))
-    after = np.minimum(first + 1, len(slants) - 1)
-    share = (at - first)[:, None]
-    return np.asarray(rows[first] * (1 - share) + rows[after] * share)

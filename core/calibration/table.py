@@ -54,9 +54,14 @@ class ToneTable:
     def seen(self, printed: FloatArray, slant_deg: FloatArray) -> FloatArray:
         """(W, K) the reflectance of tones printed (W, K) on walls of some slopes (W,), face on."""
         rows = np.stack([[np.interp(tones, self.tone, row) for row in self.reflectance] for tones in printed])
-        at = np.interp(slant_deg, self.slant_deg, np.arange(len(self.slant_deg)))
-        share = np.clip(1.0 - np.abs(at[:, None] - np.arange(len(self.slant_deg))), 0.0, 1.0)
-        return np.asarray(np.einsum("ws,wsk->wk", share, rows))
+        return np.asarray(np.einsum("ws,wsk->wk", slope_shares(self.slant_deg, slant_deg), rows))
+
+
+def slope_shares(known_deg: FloatArray, wanted_deg: FloatArray) -> FloatArray:
+    """(W, S) share that each of S known slopes has in W wanted ones, interpolated; beyond them the outermost alone."""
+    number = np.arange(len(known_deg))
+    at = np.interp(wanted_deg, known_deg, number)
+    return np.asarray(np.clip(1.0 - np.abs(at[:, None] - number), 0.0, 1.0))
 
 
 def table_of(sweeps: Sequence[Sweep]) -> ToneTable:

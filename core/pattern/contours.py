@@ -72,6 +72,11 @@ class Contours:
         return np.diff(self.arc_start)
 
     @property
+    def step(self) -> FloatArray:
+        """(N,) mm, from each point to the next one of its line."""
+        return np.diff(np.append(self.arc, self.arc_start[-1]))
+
+    @property
     def loop(self) -> IntArray:
         """(N,) the loop of each point."""
         return np.repeat(np.arange(len(self.layer)), np.diff(self.start))

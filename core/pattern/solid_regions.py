@@ -58,7 +58,7 @@ def solid_regions(
     run = runs(kind, lines.start)
     painted = np.flatnonzero(kind != _MIXED)
     label = connected(int(run.max(initial=-1)) + 1, *_links(lines, kind, run, painted, projector))
-    step = _steps(lines)
+    step = lines.step
     lean = np.radians(np.minimum(np.abs(slant_deg), _STEEPEST_DEG))
     owner = label[run[painted]]
     patch = step * settings.layer_height / np.cos(lean)
@@ -121,7 +121,7 @@ def left_to_other_tool(lines: Contours, solid: SolidRegions, settings: PrintSett
     swapped = _wrong_colour(lines, solid, settings)
     for kind in (False, True):
         run = runs(swapped.astype(np.int64), lines.start)
-        length = np.bincount(run, _steps(lines))
+        length = np.bincount(run, lines.step)
         # What is a whole contour has no neighbours to go with.
         whole = length[run] > 0.999 * lines.length[lines.loop]
         short = (swapped == kind) & (length[run] < settings.wavelength) & ~whole
@@ -135,11 +135,6 @@ def _wrong_colour(lines: Contours, solid: SolidRegions, settings: PrintSettings)
     black_here = np.zeros(len(inside), dtype=bool)
     black_here[inside] = solid.is_black[solid.region[inside]]
     return np.asarray(inside & (layer_is_black(lines.layer[lines.loop], settings) != black_here))
-
-
-def _steps(lines: Contours) -> FloatArray:
-    """(N,) mm from each contour point to the next."""
-    return np.diff(np.append(lines.arc, lines.arc_start[-1]))
 
 
 def solid_report(
@@ -162,7 +157,7 @@ def solid_report(
         settings: as used.
         swapped: (N,) what is left to the other tool, or None.
     """
-    step = _steps(lines)
+    step = lines.step
     longer = step @ (_stretch(after, settings) - _stretch(before, settings))
     return {
         "regions": len(solid.area),
