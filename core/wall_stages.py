@@ -41,6 +41,8 @@ class PaintedWall:
         lines: N contour points, a line's width inside the slices.
         samples: of the pattern; none for `offset`.
         visibility: (N,) of seams, None for alike everywhere.
+        tone: (N,) that the pattern is asked for, calibrated.
+        slant: (N,) degrees of the wall from upright.
         depth: (N,) mm of the waves.
         set_back: (N,) mm of the line.
         outlines: as printed.
@@ -55,6 +57,8 @@ class PaintedWall:
     lines: Contours
     samples: Samples
     visibility: FloatArray | None
+    tone: FloatArray
+    slant: FloatArray
     depth: FloatArray
     set_back: FloatArray
     outlines: WavedOutlines
@@ -100,7 +104,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
     outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings, swapped)
     return PaintedWall(
-        mesh, cut, lines, samples, seen, depth, set_back, outlines, solid, notes, errors, paint
+        mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint
     )  # fmt: skip
 
 

@@ -8,22 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from ..calibration.calibrate import calibrated
 from ..mesh import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
-from ..pattern.contours import Contours, contours
+from ..pattern.contours import Contours
 from ..pattern.modulation import layer_is_black, shape, supported
-from ..pattern.quality import SeamErrors, seam_errors
+from ..pattern.quality import SeamErrors
 from ..pattern.sampling import Projector, Samples
-from ..pattern.slant import slant_along
-from ..pattern.visibility import at_arcs, seam_visibility, visibility_warnings
-from ..pattern.wave import average_along_wall, modulated
+from ..pattern.visibility import at_arcs, visibility_warnings
+from ..pattern.wave import modulated
 from ..progress import Progress, drained
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
-from ..slicing.slices import slices
+from ..stages import Stages
 from ..texture.pyramid import build_pyramids
-from ..wall_stages import pattern_samples, pattern_tone
+from ..wall_stages import wall_stages
 from .orientation import Orientation, suggested
 from .slopes import FaceContrast, face_contrast, slope_report, slope_warnings
 from .tracelines import Tracelines, tracelines
@@ -84,38 +82,30 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
     Raises:
         PrintError: the input cannot be printed.
     """
-    yield 0.0, "mesh"
-    mesh = triangulate(model, settings)
-    pyramids = build_pyramids(mesh, model.textures, 2 * settings.layer_height, settings.texture_filter)
-    yield 0.1, "slopes"
-    paint = face_contrast(mesh, pyramids, settings)
-    yield 0.2, "orientations"
-    ranked = suggested(mesh, paint, settings)
-    yield 0.3, "slicing"
-    cut = slices(mesh, settings)
-    yield 0.4, "contours"
-    lines = contours(cut.outlines, cut.loop_polygon, settings)
-    projector = Projector(lines, settings.projection_threshold)
-    yield 0.5, "sampling"
-    tone = pattern_tone(lines, pyramids, settings)
-    seen = seam_visibility(lines, cut.layers.plane, mesh, model.textures, tone, settings)
-    samples = pattern_samples(lines, projector, settings, seen)
+    with Stages(None) as stages:
+        wall = yield from wall_stages(model, settings, stages)
+        mesh, lines, samples = wall.mesh, wall.lines, wall.samples
+        yield 0.6, "orientations"
+        paint = wall.paint.result()
+        ranked = suggested(mesh, paint, settings)
     yield 0.8, "seam errors"
     waves = settings.pattern != "offset"
-    errors = seam_errors(lines, samples, projector) if waves else None
-    traced = tracelines(lines, samples, projector, settings.wavelength) if waves else None
+    errors = wall.errors.result() if waves else None
+    traced = (
+        tracelines(lines, samples, Projector(lines, settings.projection_threshold), settings.wavelength)
+        if waves
+        else None
+    )
     too_short = (np.diff(samples.start) == 0) & waves
     yield 0.9, "room"
-    slant = average_along_wall(slant_along(lines, mesh), lines, settings.wavelength)
-    tone, _ = calibrated(tone, slant, settings)
-    faded = faded_share(lines, tone, slant, settings)
+    faded = faded_share(lines, wall.tone, wall.slant, settings)
     slopes = slope_report(paint)
     report: dict[str, Any] = {
         "name": model.name,
-        "layers": len(cut.layers),
+        "layers": len(wall.cut.layers),
         "bounds_mm": mesh.bounds.tolist(),
         "settings": settings.as_dict(),
-        "pattern": errors.shares(len(samples.arc), at_arcs(seen, lines, errors.arc)) if errors else None,
+        "pattern": errors.shares(len(samples.arc), at_arcs(wall.visibility, lines, errors.arc)) if errors else None,
         "tracelines": traced.report() if traced else None,
         "faded": _faded_report(lines, faded),
         "too_short": {"outlines": int(too_short.sum()), "of": len(lines.layer)},
@@ -125,7 +115,7 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
     warnings = [*([] if waves else [NO_SEAMS]), *slope_warnings(slopes), *visibility_warnings(mesh, settings)]
     report["warnings"] = warnings
     return Analysis(
-        settings, mesh, cut.layers, lines, samples, errors, traced, faded, too_short, paint, ranked, report,
+        settings, mesh, wall.cut.layers, lines, samples, errors, traced, faded, too_short, paint, ranked, report,
         warnings,
     )  # fmt: skip
 
