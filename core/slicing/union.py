@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
 from .outlines import Outlines, starts
+from .regions import polygons_of
 
 # Odd numbers with bits all over, to scatter coordinates by.
 _SCATTER = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F], dtype=np.uint64)
@@ -22,20 +23,19 @@ def united(outlines: Outlines) -> Outlines:
     Args:
         outlines: any loops of a single layer; they may cross, overlap and run twice.
     """
-    tails, heads = outlines.points, outlines.ends
-    lines = shapely.linestrings(np.stack([tails, heads], axis=1))
-    noded = shapely.union_all(lines)
+    # Whole loops: GEOS nodes and polygonises the few pieces between crossings twenty times as fast as single segments.
+    noded = shapely.union_all(shapely.get_exterior_ring(polygons_of(outlines)))
     cells = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
     if len(cells) == 0:
         return outlines.selected(np.zeros(len(outlines.layer), dtype=bool))
     probe = shapely.get_coordinates(shapely.point_on_surface(cells))
-    solid = cells[winding_number(probe, tails, heads) != 0]
-    region = shapely.orient_polygons(shapely.union_all(solid))
+    solid = cells[winding_number(probe, outlines.points, outlines.ends) != 0]
+    region = shapely.orient_polygons(shapely.disjoint_subset_union_all(solid))
     rings = shapely.get_rings(shapely.get_parts(region))
     points, ring = shapely.get_coordinates(rings, return_index=True)
     last = np.append(ring[1:] != ring[:-1], True) if len(ring) else np.zeros(0, dtype=bool)
     segment_tail, segment_head = points[~last], points[1:][~last[:-1]] if len(points) else points
-    face, carried = _taken_over(segment_tail, segment_head, outlines, lines)
+    face, carried = _taken_over(segment_tail, segment_head, outlines)
     count = np.bincount(ring[~last], minlength=len(rings)).astype(np.int64)
     layer = np.full(len(rings), outlines.layer[0])
     return Outlines(segment_tail, starts(count), layer, face, carried)
@@ -54,13 +54,16 @@ def winding_number(probe: FloatArray, tails: FloatArray, heads: FloatArray) -> I
     return number
 
 
-def _taken_over(tail: FloatArray, head: FloatArray, source: Outlines, lines: object) -> tuple[IntArray, FloatArray]:
+def _taken_over(tail: FloatArray, head: FloatArray, source: Outlines) -> tuple[IntArray, FloatArray]:
     """Face and carried values of new segments, each a piece of one of the old ones."""
-    parent = equal_segments(tail, head, source.points, source.ends)
+    tails, heads = source.points, source.ends
+    parent = equal_segments(tail, head, tails, heads)
     pieces = np.flatnonzero(parent < 0)
     if len(pieces):
-        parent[pieces] = shapely.STRtree(lines).nearest(shapely.points((tail[pieces] + head[pieces]) / 2))
-    start, end = source.points[parent], source.ends[parent]
+        gone = np.setdiff1d(np.arange(len(tails)), parent)  # what is still whole has no pieces
+        tree = shapely.STRtree(shapely.linestrings(np.stack([tails[gone], heads[gone]], axis=1)))
+        parent[pieces] = gone[tree.nearest(shapely.points((tail[pieces] + head[pieces]) / 2))]
+    start, end = tails[parent], heads[parent]
     along = end - start
     length2 = np.maximum((along**2).sum(axis=1), 1e-300)
     carried = np.stack(
