@@ -1,30 +1,20 @@
-"""Where the time and the plastic of a print go, what it costs, and how long it would take in a single colour."""
+"""Where the time and the plastic of a print go, and what it costs."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import shapely
 
-from .model import BoolArray, FloatArray, IntArray
-from .pattern.wave import WavedOutlines
+from .model import FloatArray
 from .settings import PrintSettings
-from .slicing.outlines import ranges, starts
-from .slicing.planes import Layers
 from .statistics import filament_use, move_seconds, tool_change_rows
-from .toolpaths.assemble import assemble
-from .toolpaths.moves import Feature, Moves, Paths
-from .toolpaths.order import ordered
-from .toolpaths.travels import Rooms
+from .toolpaths.moves import Feature, Moves
 
 # Rules of thumb for an enclosed printer in a room of this temperature; they only tell how long to wait for the start.
 ROOM_C = 22.0
 BED_C_PER_S = 0.15
 NOZZLE_C_PER_S = 1.5
-# What a print in one colour has no use for.
-ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 
 
 def time_report(
@@ -111,66 +101,3 @@ def swap_cost(moves: Moves, seconds: FloatArray, alike: Moves, settings: PrintSe
         "tool_changes_in_layers": int((changes & (np.diff(moves.layer) == 0)).sum()),
         "tool_change_time_s": float(seconds.sum() - move_seconds(alike, settings.printer_profile).sum()),
     }
-
-
-def single_color_seconds(
-    outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings, within: Rooms | None = None
-) -> float:
-    """Seconds that `single_color_moves` take."""
-    moves = single_color_moves(outlines, paths, layers, settings, within)
-    return float(move_seconds(moves, settings.printer_profile).sum())
-
-
-def single_color_moves(
-    outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings, within: Rooms | None = None
-) -> Moves:
-    """The same object by one tool: the outlines without their wave at the speed of walls, no tower, all else as it is.
-
-    The walls and the fill behind the outline stay where the wave lets them be, half a wave's depth farther inside than
-    a single colour asks for, which makes them a little shorter: the comparison errs to our disadvantage.
-
-    Args:
-        outlines: the waved outer wall.
-        paths: of the dual-colour print: fill, inner walls, supports; outer walls and towers are passed over.
-        layers: the stack.
-        settings: of the print.
-        within: where travels stay unseen, if that is known.
-    """
-    dropped = [int(feature) for feature in (Feature.OUTER_WALL, *ONLY_DUAL)]
-    wall = _unwaved(outlines, settings.chord_tolerance)
-    rest = _selected(paths, ~np.isin(paths.feature, dropped))
-    plain = replace(settings, wave_speed=settings.outline_speed)
-    return assemble(ordered(Paths.joined([wall, rest]), plain), layers, plain, within, single_color=True)
-
-
-def _unwaved(outlines: WavedOutlines, tolerance: float) -> Paths:
-    loop = np.repeat(np.arange(len(outlines.layer)), np.diff(outlines.start) + 1)
-    closing = np.insert(outlines.base, outlines.start[1:], outlines.base[outlines.start[:-1]], axis=0)
-    lines = shapely.simplify(shapely.linestrings(closing, indices=loop), tolerance, preserve_topology=False)
-    points, row = shapely.get_coordinates(lines, return_index=True)
-    last = np.append(row[1:] != row[:-1], True)  # the point that closes the loop
-    points, row = points[~last], row[~last]
-    count = len(outlines.layer)
-    return Paths(
-        points=points,
-        start=starts(np.bincount(row, minlength=count)),
-        layer=outlines.layer,
-        feature=np.full(count, int(Feature.OUTER_WALL), dtype=np.int64),
-        island=outlines.polygon,
-        closed=np.ones(count, dtype=bool),
-        width=np.full(len(points), float(np.median(outlines.width)) if len(outlines.width) else 0.0),
-    )
-
-
-def _selected(paths: Paths, chosen: BoolArray) -> Paths:
-    count: IntArray = np.diff(paths.start)[chosen]
-    point = ranges(paths.start[:-1][chosen], count)
-    return Paths(
-        points=paths.points[point],
-        start=starts(count),
-        layer=paths.layer[chosen],
-        feature=paths.feature[chosen],
-        island=paths.island[chosen],
-        closed=paths.closed[chosen],
-        width=paths.width[point],
-    )

@@ -17,6 +17,7 @@ from .pattern.sampling import Samples
 from .pattern.visibility import at_arcs, visibility_warnings
 from .plate import object_rows, plate_warnings
 from .settings import PrintSettings
+from .single_color import single_color_seconds
 from .slicing.open_layers import open_warnings
 from .slicing.planes import line_widths
 from .slicing.slices import Slices
@@ -42,7 +43,8 @@ def findings(
     errors, slopes = wall.errors.result(), slope_report(wall.paint.result())
     thin = thin_report(paths.thin.result(), cut)
     report = _report(model, mesh, cut, moves, settings)
-    report |= {"time_s": time_report(moves, settings, paths.single_color.result(), seconds)}
+    plain = single_color_seconds(paths.single_color.result(), moves, seconds, settings)
+    report |= {"time_s": time_report(moves, settings, plain, seconds)}
     report |= {"filament": filament_report(moves, settings)} | _solid(wall, paths, seconds, settings)
     report |= {"pattern": errors.shares(len(wall.samples.arc), at_arcs(wall.visibility, wall.lines, errors.arc))}
     report |= {"slopes": slopes, "thin_features": thin}

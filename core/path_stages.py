@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 
 from shapely import Geometry
 
-from .breakdown import single_color_seconds
 from .checks import check
 from .fill.paths import covering, fill_areas, fill_lines
 from .progress import Progress
 from .settings import PrintSettings
+from .single_color import SingleColor, single_color
 from .slicing.planes import Layers
 from .slicing.slices import Slices
 from .stages import Stages
@@ -29,8 +29,6 @@ from .wall_stages import PaintedWall
 
 # Outlines behind the wave may differ from the true ones by this much, mm.
 FILL_TOLERANCE = 0.02
-# Up to so many points of outlines the same object in a single colour is worked out beside the toolpaths.
-MOST_POINTS_TWICE = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -43,7 +41,7 @@ class PrintedPaths:
         within: where travels may go.
         moves: the print in order.
         thin: features too thin for a wall, worked out beside the stages.
-        single_color: seconds that the same object takes in one colour, worked out beside the stages.
+        single_color: what is known of the same object in one colour, worked out beside the stages.
     """
 
     inner: Paths
@@ -51,7 +49,7 @@ class PrintedPaths:
     within: Rooms
     moves: Moves
     thin: Future[ThinFeatures]
-    single_color: Future[float]
+    single_color: Future[SingleColor]
 
 
 def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PrintedPaths]:
@@ -73,13 +71,11 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     inner = run("inner", _joined, fill, holding.paths)
     within = run("rooms", rooms, inside, cut.polygon_layer, cut.regions)
     yield stages.begin(0.75, "toolpaths")
-    plain = single_color_seconds, wall.outlines, inner, cut.layers, settings, within
-    # Beside the toolpaths of a large print it would take a third more memory: its tables are as large as theirs.
-    alone = aside("single color", *plain) if len(wall.outlines.points) < MOST_POINTS_TWICE else None
+    alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
     outer = outer_wall_paths(wall.outlines)
     around = run("surroundings", _surroundings, shade.result(), cut, holding, outer, settings)
     moves = run("toolpaths", _moves, outer, inner, around, cut.layers, within, settings)
-    return PrintedPaths(inner, around, within, moves, thin, alone or aside("single color", *plain))
+    return PrintedPaths(inner, around, within, moves, thin, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:

@@ -2,14 +2,20 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.breakdown import filament_report, heating_seconds, single_color_moves, time_report
+from dualcolor.core.breakdown import filament_report, heating_seconds, time_report
 from dualcolor.core.fill.paths import fill_paths
+from dualcolor.core.path_stages import path_stages
 from dualcolor.core.pipeline import generate
+from dualcolor.core.progress import drained
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.single_color import single_color_moves, single_color_seconds
+from dualcolor.core.stages import Stages
 from dualcolor.core.statistics import layer_begins, move_seconds, print_time
 from dualcolor.core.toolpaths.moves import Feature, Paths
+from dualcolor.core.wall_stages import wall_stages
 from dualcolor.tests.printing import rosette
-from dualcolor.tests.solids import cylinder
+from dualcolor.tests.real_models import obj_model
+from dualcolor.tests.solids import cylinder, lathe
 
 SETTINGS = PrintSettings(pattern="wave")
 
@@ -94,3 +100,38 @@ def test_fill_of_the_single_color_is_that_of_the_dual_color(can):
     for feature in (Feature.SKIN, Feature.INNER_WALL):
         assert feature in moves.feature
     assert (np.diff(moves.layer) >= 0).all()
+
+
+def compared(model, settings):
+    """Seconds in one colour, as the report tells them and as all layers take, and how many layers the report used."""
+    with Stages(None) as stages:
+        wall = drained(wall_stages(model, settings, stages))
+        paths = drained(path_stages(wall, settings, stages))
+    printer = settings.printer_profile
+    known = paths.single_color.result()
+    told = single_color_seconds(known, paths.moves, move_seconds(paths.moves, printer), settings)
+    moves = single_color_moves(wall.outlines, paths.inner, wall.cut.layers, settings, paths.within)
+    return told, move_seconds(moves, printer).sum(), len(known.layer) / len(wall.cut.layers)
+
+
+AROUND = {"tower_type": "w", "ooze_shield": True, "raft_layers": 2, "skirts": 0}
+
+
+@pytest.mark.parametrize("more", [{"tower_type": "none", "brim_width": 3}, {"pattern": "wave"} | AROUND])
+def test_some_layers_tell_the_time_in_a_single_color(more):
+    told, all_layers, share = compared(lathe([[4, 0], [9, 11], [5, 18], [7, 30]]), PrintSettings().changed(more))
+    assert share < 0.5
+    assert told == pytest.approx(all_layers, rel=0.005)
+
+
+def test_some_layers_tell_the_time_of_a_real_print_in_a_single_color(data):
+    model = obj_model(data / "meshes/spot/spot.obj", 60)
+    told, all_layers, share = compared(model, PrintSettings())
+    assert share < 0.25
+    assert told == pytest.approx(all_layers, rel=0.01)
+
+
+def test_a_low_print_is_put_together_as_a_whole_in_a_single_color():
+    told, all_layers, share = compared(cylinder(radius=6, height=6), PrintSettings())
+    assert share == 1
+    assert told == pytest.approx(all_layers, rel=1e-12)

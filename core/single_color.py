@@ -1,0 +1,159 @@
+"""How long the same object would take in a single colour: some of its layers are put together to tell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from .model import BoolArray, FloatArray, IntArray
+from .pattern.wave import WavedOutlines
+from .settings import PrintSettings
+from .slicing.outlines import following, ranges, starts, sums
+from .slicing.planes import Layers
+from .statistics import move_seconds, tool_change_rows
+from .toolpaths.assemble import assemble
+from .toolpaths.moves import Feature, Moves, Paths
+from .toolpaths.order import ordered
+from .toolpaths.travels import Rooms
+
+# What a print in one colour has no use for.
+ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
+# What stands around the object or under it; the comparison leaves it out.
+_AROUND = (Feature.SKIRT, Feature.BRIM, Feature.RAFT)
+# Of about so many layers at least the time is found out.
+_LEAST_LAYERS = 50
+
+
+@dataclass(frozen=True)
+class SingleColor:
+    """What is known of the print in one colour: all of S of the L layers, of the others the wall.
+
+    Attributes:
+        layer: (S,) int64, ascending, the first layer among them.
+        seconds: (S,) s that each of them takes.
+        wall: (L,) s that the outer wall takes at its speed, without starts, stops and corners.
+    """
+
+    layer: IntArray
+    seconds: FloatArray
+    wall: FloatArray
+
+
+def single_color(
+    outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings, within: Rooms | None = None
+) -> SingleColor:
+    """Find out the time of every layer, or of the first and every so many of a large print's.
+
+    Args:
+        outlines: the waved outer wall.
+        paths: of the dual-colour print, see `single_color_moves`.
+        layers: the stack.
+        settings: of the print.
+        within: where travels stay unseen, if that is known.
+    """
+    # An odd step, as the fill turns from layer to layer.
+    step = len(layers) // _LEAST_LAYERS // 2 * 2 + 1
+    chosen = np.unique(np.append(0, np.arange(step // 2, len(layers), step)))
+    moves = single_color_moves(outlines, paths, layers, settings, within, chosen)
+    seconds = move_seconds(moves, settings.printer_profile)
+    way = sums(np.hypot(*(outlines.base.take(following(outlines.start), axis=0) - outlines.base).T), outlines.start)
+    wall = np.bincount(outlines.layer, way, minlength=len(layers)) / settings.outline_speed
+    return SingleColor(chosen, np.asarray(np.bincount(moves.layer, seconds, minlength=len(chosen)), float), wall)
+
+
+def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray, settings: PrintSettings) -> float:
+    """Seconds that `single_color_moves` take, within a hundredth.
+
+    A layer takes what the dual-colour print takes without its waved wall, its tower and its tool changes, then the
+    time of the wall alone, and something for the ways to it. How much that is, is a mean of the layers that are known.
+
+    Args:
+        single: see `single_color`.
+        moves: the dual-colour print.
+        seconds: (M,) `move_seconds` of the moves.
+        settings: of the print.
+    """
+    if len(single.layer) == len(single.wall):
+        return float(single.seconds.sum())
+    left_out = tool_change_rows(moves)
+    left_out |= np.isin(moves.feature, [int(feature) for feature in (Feature.OUTER_WALL, *ONLY_DUAL, *_AROUND)])
+    alike = np.bincount(moves.layer, np.where(left_out, 0.0, seconds))[settings.raft_layers :]
+    guess = single.wall.copy()
+    guess[: len(alike)] += alike
+    # The first layer is printed slowly: no example for others.
+    more = single.seconds[1:] - guess[single.layer[1:]]
+    return float(single.seconds[0] + guess[1:].sum() + more.mean() * (len(guess) - 1))
+
+
+def single_color_moves(
+    outlines: WavedOutlines,
+    paths: Paths,
+    layers: Layers,
+    settings: PrintSettings,
+    within: Rooms | None = None,
+    chosen: IntArray | None = None,
+) -> Moves:
+    """The same object by one tool: the outlines without their wave at the speed of walls, no tower, all else as it is.
+
+    The walls and the fill behind the outline stay where the wave lets them be, half a wave's depth farther inside than
+    a single colour asks for, which makes them a little shorter: the comparison errs to our disadvantage.
+
+    Args:
+        outlines: the waved outer wall.
+        paths: of the dual-colour print: fill, inner walls, supports; outer walls and towers are passed over.
+        layers: the stack.
+        settings: of the print.
+        within: where travels stay unseen, if that is known.
+        chosen: layers, ascending, that are printed one upon the other without those between them; None for all.
+    """
+    chosen = np.arange(len(layers)) if chosen is None else chosen
+    number = np.full(len(layers), -1)
+    number[chosen] = np.arange(len(chosen))
+    wall = _unwaved(outlines, number, settings.chord_tolerance)
+    dropped = [int(feature) for feature in (Feature.OUTER_WALL, *ONLY_DUAL)]
+    rest = _selected(paths, ~np.isin(paths.feature, dropped) & (number[paths.layer] >= 0))
+    rest = replace(rest, layer=number[rest.layer])
+    plain = replace(settings, wave_speed=settings.outline_speed)
+    stack = Layers(layers.plane[chosen], layers.top[: len(chosen)], layers.height[chosen])
+    return assemble(ordered(Paths.joined([wall, rest]), plain), stack, plain, within, single_color=True)
+
+
+def _unwaved(outlines: WavedOutlines, number: IntArray, tolerance: float) -> Paths:
+    """The outer wall before the wave of those layers whose `number` (L,) is not negative, which is theirs now."""
+    chosen = np.flatnonzero(number[outlines.layer] >= 0)
+    count: IntArray = np.diff(outlines.start)[chosen]
+    begin = starts(count + 1)[:-1]
+    point = ranges(outlines.start[chosen], count + 1)
+    point[begin + count] = outlines.start[chosen]  # the loop is closed
+    loop = np.repeat(np.arange(len(chosen)), count + 1)
+    closing = shapely.linestrings(outlines.base.take(point, axis=0), indices=loop)
+    points, row = shapely.get_coordinates(
+        shapely.simplify(closing, tolerance, preserve_topology=False), return_index=True
+    )
+    last = np.append(row[1:] != row[:-1], True)  # the point that closes the loop
+    points, row = points[~last], row[~last]
+    return Paths(
+        points=points,
+        start=starts(np.bincount(row, minlength=len(chosen))),
+        layer=number[outlines.layer[chosen]],
+        feature=np.full(len(chosen), int(Feature.OUTER_WALL), dtype=np.int64),
+        island=outlines.polygon[chosen],
+        closed=np.ones(len(chosen), dtype=bool),
+        width=np.full(len(points), float(np.median(outlines.width)) if len(outlines.width) else 0.0),
+    )
+
+
+def _selected(paths: Paths, chosen: BoolArray) -> Paths:
+    count: IntArray = np.diff(paths.start)[chosen]
+    point = ranges(paths.start[:-1][chosen], count)
+    return Paths(
+        points=paths.points.take(point, axis=0),
+        start=starts(count),
+        layer=paths.layer[chosen],
+        feature=paths.feature[chosen],
+        island=paths.island[chosen],
+        closed=paths.closed[chosen],
+        width=paths.width[point],
+    )
