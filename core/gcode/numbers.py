@@ -33,20 +33,23 @@ _SIGNED_OR_EMPTY = words([sign + (str(n) if n else "") for sign in ("", "-") for
 _FRACTION = words([f".{n:03d}" for n in range(1000)])
 _UNITS = words([f"{n}." for n in range(1000)] + [f"{n:03d}." for n in range(1000)])  # at 1000 × padded + n
 _FOUR = words([f"{n:04d}" for n in range(10000)])
-_PADDED = words([f"{n:03d}" for n in range(1000)])
-_LEADING = words([str(n) if n else "" for n in range(1000)])
+_FEEDRATE = words([f" F{n}" if n else " F" for n in range(100)])
+_REST = words([str(n) for n in range(1000)] + [f"{n:03d}" for n in range(1000)])  # at 1000 × padded + n
 _LAST = words([str(n) for n in range(10)])
+_THOUSAND, _TEN = np.uint32(1000), np.uint32(10)
 
 
-def coordinate_words(thousandths: IntArray) -> tuple[WordArray, WordArray]:
+def coordinate_words(thousandths: NDArray[np.int32]) -> tuple[WordArray, WordArray]:
     """The text of numbers with 3 decimals, two words each.
 
     Args:
-        thousandths: (N,) int64, the numbers times 1000, less than `COORDINATE_LIMIT` in size.
+        thousandths: (N,) int32, the numbers times 1000, less than `COORDINATE_LIMIT` in size.
     """
     size = np.abs(thousandths).astype(np.uint32)
-    whole = size // np.uint32(1000)
-    return _SIGNED[whole + np.uint32(1000) * (thousandths < 0)], _FRACTION[size - whole * np.uint32(1000)]
+    whole = size // _THOUSAND
+    size -= whole * _THOUSAND
+    whole += _THOUSAND * (thousandths < 0)
+    return _SIGNED.take(whole), _FRACTION.take(size)
 
 
 def filament_words(steps: IntArray) -> tuple[WordArray, WordArray, WordArray, WordArray]:
@@ -59,24 +62,22 @@ def filament_words(steps: IntArray) -> tuple[WordArray, WordArray, WordArray, Wo
     whole = size // 100_000
     fraction = (size - whole * 100_000).astype(np.uint32)
     units = whole.astype(np.uint32)
-    thousands = units // np.uint32(1000)
-    units -= thousands * np.uint32(1000)
-    four = fraction // np.uint32(10)
-    return (
-        _SIGNED_OR_EMPTY[thousands + np.uint32(1000) * (steps < 0)],
-        _UNITS[units + np.uint32(1000) * (thousands > 0)],
-        _FOUR[four],
-        _LAST[fraction - four * np.uint32(10)],
-    )
+    thousands = units // _THOUSAND
+    units -= thousands * _THOUSAND
+    units += _THOUSAND * (thousands > 0)
+    thousands += _THOUSAND * (steps < 0)
+    four = fraction // _TEN
+    fraction -= four * _TEN
+    return _SIGNED_OR_EMPTY.take(thousands), _UNITS.take(units), _FOUR.take(four), _LAST.take(fraction)
 
 
-def feedrate_words(feedrate: IntArray) -> tuple[WordArray, WordArray]:
-    """The text of whole numbers from 1 to 99999, two words each.
+def feedrate_words(feedrate: NDArray[np.int32]) -> tuple[WordArray, WordArray]:
+    """The text of whole numbers from 1 to 99999 after a blank and an F, two words each.
 
     Args:
-        feedrate: (N,) int64, less than `FEEDRATE_LIMIT`.
+        feedrate: (N,) int32, less than `FEEDRATE_LIMIT`.
     """
-    thousands = feedrate // 1000
-    units = feedrate - thousands * 1000
-    low = np.where(thousands > 0, _PADDED[units], _SIGNED[units])
-    return _LEADING[thousands], low
+    thousands = feedrate.astype(np.uint32) // _THOUSAND
+    rest = feedrate - thousands * _THOUSAND
+    rest += _THOUSAND * (thousands > 0)
+    return _FEEDRATE.take(thousands), _REST.take(rest)

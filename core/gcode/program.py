@@ -25,27 +25,29 @@ IdleCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
 WIDTH_STEP = 0.002
 """mm; widths of lines are told so finely."""
 
+_FEATURE_COMMENTS = ["; " + feature.name.lower().replace("_", " ") for feature in Feature]
+
 
 @dataclass(frozen=True)
 class Lines:
     """The numbers of K lines `G1 X Y Z A|B F`; each line has at least one axis.
 
     Attributes:
-        thousandths: (K, 3) int64, X, Y, Z in 0.001 mm.
+        thousandths: (K, 3) int32, X, Y, Z in 0.001 mm, axis by axis in memory.
         written: (K, 3) bool, which of them the line names.
         steps: (K,) int64, filament in 0.00001 mm: the tool's counter, or what the line feeds if that is relative.
         feeds: (K,) bool, whether the line names the filament axis.
         tool: (K,) int64.
-        feedrate: (K,) int64 mm/min.
+        feedrate: (K,) int32 mm/min.
         hastens: (K,) bool, whether the line names the feedrate, which otherwise stays what it was.
     """
 
-    thousandths: IntArray
+    thousandths: NDArray[np.int32]
     written: BoolArray
     steps: IntArray
     feeds: BoolArray
     tool: IntArray
-    feedrate: IntArray
+    feedrate: NDArray[np.int32]
     hastens: BoolArray
 
 
@@ -87,7 +89,8 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
         ValueError: no moves, or numbers that are not finite or too large for the file.
     """
     _check(moves)
-    start = _start(moves, settings)
+    extrudes = moves.extrudes
+    start = _start(moves, extrudes, settings)
     counters, steps = _filament_steps(moves, start.counters)
     printer = settings.printer_profile
     if printer.marlin:
@@ -100,27 +103,27 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
         begins = layer_begins(moves, seconds)
         if settings.standby_temperature_delta:
             idle = standby_commands(moves, seconds, settings)
-    places, insertions = _insertions(moves, kept_before, begins, idle, printer)
+    places, insertions = _insertions(moves, extrudes, kept_before, begins, idle, printer)
     last_tool = int(moves.tool[-1])
     end = end_sequence(settings, last_tool, counters[last_tool])
-    widens, widths = _width_changes(moves, settings.extrusion_width)
+    widens, widths = _width_changes(moves, extrudes, settings.extrusion_width)
     return Program(start.lines, lines, places, insertions, kept_before[widens], widths, end)
 
 
 def _check(moves: Moves) -> None:
     if not len(moves.tool):
         raise ValueError("there are no moves to write")
-    for column in (moves.position, moves.filament, moves.speed):
-        if not np.isfinite(column).all():
-            raise ValueError("the moves hold a number that is not finite")
-    if np.abs(moves.position).max() * 1000 >= COORDINATE_LIMIT - 1:
+    # What is not a number is neither the least nor the greatest, but in place of both.
+    extremes = [(column.min(), column.max()) for column in (moves.position, moves.filament, moves.speed)]
+    if not np.isfinite(extremes).all():
+        raise ValueError("the moves hold a number that is not finite")
+    if np.abs(extremes[0]).max() * 1000 >= COORDINATE_LIMIT - 1:
         raise ValueError("the moves leave the range of coordinates that the file can hold")
 
 
-def _start(moves: Moves, settings: PrintSettings) -> StartSequence:
+def _start(moves: Moves, extrudes: BoolArray, settings: PrintSettings) -> StartSequence:
     first = int(moves.tool[0])
     others = (1 - first,) if (moves.tool != first).any() else ()
-    extrudes = moves.extrudes
     front = float(moves.position[extrudes, 1].min()) if extrudes.any() else 0.0
     return start_sequence(settings, (*others, first), (_first_prime(moves, 0), _first_prime(moves, 1)), front)
 
@@ -135,12 +138,16 @@ def _first_prime(moves: Moves, tool: int) -> float:
 
 def _filament_steps(moves: Moves, begin: tuple[float, float]) -> tuple[list[float], IntArray]:
     """Each tool's final counter in mm, and (M,) the active tool's counter in 0.00001 mm after each row."""
-    second = moves.tool == 1
-    totals = [begin[tool] + np.cumsum(np.where(second == bool(tool), moves.filament, 0.0)) for tool in (0, 1)]
-    steps = np.rint(np.where(second, totals[1], totals[0]) * 1e5).astype(np.int64)
-    if np.abs(steps).max() >= FILAMENT_LIMIT:
+    steps, totals = np.empty(len(moves.tool), dtype=np.int64), list(begin)
+    for tool in (0, 1):
+        rows = np.flatnonzero(moves.tool == tool)
+        if len(rows):
+            counter = begin[tool] + np.cumsum(moves.filament[rows])
+            totals[tool] = float(counter[-1])
+            steps[rows] = np.rint(counter * 1e5)
+    if max(steps.max(), -steps.min()) >= FILAMENT_LIMIT:
         raise ValueError("the print needs more filament than the file's counters can hold")
-    return [float(total[-1]) for total in totals], steps
+    return totals, steps
 
 
 def _after_break(tool: IntArray) -> BoolArray:
@@ -156,34 +163,41 @@ def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Line
     top_speed = printer.max_speed_mm_s[0]
 
     def chunk(row: IntArray) -> tuple[NDArray[Any], ...]:
-        """The columns of some rows that follow each other, and which of them are kept."""
+        """The columns of the lines of some rows that follow each other, and for every row whether it has one."""
         here = slice(int(row[0]), int(row[-1]) + 1)
-        thousandths = np.rint(moves.position[max(here.start - 1, 0) : here.stop] * 1000).astype(np.int64)
-        written = np.repeat(fresh[here, None], 3, axis=1)
+        near = moves.position[max(here.start - 1, 0) : here.stop].T
+        thousandths = np.multiply(near, 1000, order="C")
+        thousandths = np.rint(thousandths, out=thousandths).astype(np.int32)
+        written = np.repeat(fresh[None, here], 3, axis=0)
         # The first row of all has none before it; it is fresh anyway.
-        written[max(1 - here.start, 0) :] |= thousandths[1:] != thousandths[:-1]
-        thousandths = thousandths[-len(row) :]
+        written[:, max(1 - here.start, 0) :] |= thousandths[:, 1:] != thousandths[:, :-1]
         feeds = moves.filament[here] != 0
-        feedrate = np.rint(np.minimum(moves.speed[here], top_speed) * 60).astype(np.int64).clip(1, FEEDRATE_LIMIT - 1)
-        kept = written[:, 0] | written[:, 1] | written[:, 2] | feeds
-        return thousandths, written, feeds, feedrate, kept
+        feedrate = np.rint(np.minimum(moves.speed[here], top_speed) * 60).clip(1, FEEDRATE_LIMIT - 1).astype(np.int32)
+        kept = written.any(axis=0) | feeds
+        columns = [thousandths[:, -len(row) :], written, steps[here], feeds, moves.tool[here], feedrate, fresh[here]]
+        if not kept.all():
+            columns = [column[..., kept] for column in columns]
+        return *(column.T for column in columns), kept
 
     *columns, kept = in_chunks(chunk, np.arange(len(moves.tool)))
-    columns += [steps, moves.tool, fresh.copy()]
-    if not kept.all():
-        columns = [column[kept] for column in columns]
-    thousandths, written, feeds, feedrate, steps, tool, changed = columns
-    changed[1:] |= feedrate[1:] != feedrate[:-1]
-    return Lines(thousandths, written, steps, feeds, tool, feedrate, changed), np.cumsum(kept) - kept
+    lines = Lines(*columns)
+    lines.hastens[1:] |= lines.feedrate[1:] != lines.feedrate[:-1]
+    return lines, np.cumsum(kept) - kept
 
 
 def _insertions(
-    moves: Moves, kept_before: IntArray, begins: FloatArray, idle: IdleCommands, printer: PrinterProfile
+    moves: Moves,
+    extrudes: BoolArray,
+    kept_before: IntArray,
+    begins: FloatArray,
+    idle: IdleCommands,
+    printer: PrinterProfile,
 ) -> tuple[IntArray, list[list[str]]]:
     """What stands between the lines: comments at layers and features, the progress at each layer, the tool changes.
 
     Args:
         moves: the print.
+        extrudes: (M,) which of them lay down a strand.
         kept_before: (M,) how many lines stand before each row.
         begins: s that pass before each layer, and the total.
         idle: see `standby_commands`.
@@ -195,39 +209,44 @@ def _insertions(
     layer_starts = layer_changes(moves.layer)
     tool_starts = _after_break(moves.tool)
     tool_starts[0] = False
-    feature_starts = _feature_starts(moves)
+    feature_starts = _feature_starts(moves, extrudes)
     starts = layer_starts | tool_starts | feature_starts
     starts[list(idle[0])] = True
     rows = np.flatnonzero(starts)
     percents = iter(_percents(begins))
     insertions = []
     shown = 0
-    for row in rows.tolist():
+    of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts, moves.feature)
+    for row, *told in zip(rows.tolist(), *(column[rows].tolist() for column in of_rows), strict=True):
+        new_layer, layer, new_tool, tool, new_feature, feature = told
         lines = list(idle[0].get(row, []))
-        if layer_starts[row]:
-            lines.append(f"; layer {moves.layer[row]}")
+        if new_layer:
+            lines.append(f"; layer {layer}")
             percent = next(percents)
             if percent > shown:
                 lines.append(f"M73 P{percent}")
                 shown = percent
-        lines += tool_change_lines(int(moves.tool[row]), printer) if tool_starts[row] else []
+        lines += tool_change_lines(tool, printer) if new_tool else []
         lines += idle[1].get(row, [])
-        if feature_starts[row]:
-            lines.append("; " + Feature(moves.feature[row]).name.lower().replace("_", " "))
+        if new_feature:
+            lines.append(_FEATURE_COMMENTS[feature])
         insertions.append(lines)
     return kept_before[rows], insertions
 
 
-def _width_changes(moves: Moves, usual: float) -> tuple[IntArray, IntArray]:
+def _width_changes(moves: Moves, extrudes: BoolArray, usual: float) -> tuple[IntArray, IntArray]:
     """Rows from which on the width is another one, and these widths in steps.
 
     From the filament alone, whose lengths are rounded as those of the moves are, the width of a short move cannot be
     told exactly.
     """
-    rows = np.flatnonzero(moves.extrudes)
-    widths = np.rint(moves.width[rows] / WIDTH_STEP).astype(np.int64)
-    changes = np.flatnonzero(np.diff(widths, prepend=round(usual / WIDTH_STEP)))
-    return rows[changes], widths[changes]
+    rows = np.flatnonzero(extrudes)
+    width = moves.width[rows]
+    # Most neighbours have the very same width.
+    changes = np.flatnonzero(np.append(True, width[1:] != width[:-1]))[: len(rows)]
+    steps = np.rint(width[changes] / WIDTH_STEP).astype(np.int64)
+    told = np.diff(steps, prepend=round(usual / WIDTH_STEP)) != 0
+    return rows[changes[told]], steps[told]
 
 
 def _percents(begins: FloatArray) -> list[int]:
@@ -237,9 +256,11 @@ def _percents(begins: FloatArray) -> list[int]:
     return percents
 
 
-def _feature_starts(moves: Moves) -> BoolArray:
+def _feature_starts(moves: Moves, extrudes: BoolArray) -> BoolArray:
     """(M,) rows that extrude for another feature than those before them."""
-    rows = np.flatnonzero(moves.extrudes)
+    rows = np.flatnonzero(extrudes)
+    feature = moves.feature[rows]
     starts = np.zeros(len(moves.feature), dtype=bool)
-    starts[rows] = np.diff(moves.feature[rows], prepend=-1) != 0
+    starts[rows[:1]] = True
+    starts[rows[1:]] = feature[1:] != feature[:-1]
     return starts

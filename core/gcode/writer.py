@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..model import FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.chunks import in_threads
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
@@ -14,11 +17,11 @@ from .numbers import WordArray, coordinate_words, feedrate_words, filament_words
 from .program import WIDTH_STEP, Lines, Program, program
 from .texts import written
 
-_CHUNK_ROWS = 1 << 15  # a chunk's words stay in the processor's cache
+_CHUNK_ROWS = 1 << 14  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900
-_LINE_WORDS = 18
-_G1_X, _G1, _Y, _Z, _F, _NEWLINE = (word(text) for text in ("G1 X", "G1", " Y", " Z", " F", "\n"))
-_MARK = 1  # after a line that something else follows
+_LINE_WORDS = 17
+_G1_X, _G1, _Y, _Z, _NEWLINE = (word(text) for text in ("G1 X", "G1", " Y", " Z", "\n"))
+_MARK = b"\1"  # after a line that something else follows
 _NEWLINE_AND_MARK = word("\n\1")
 
 
@@ -73,27 +76,40 @@ def _body(lines: Lines, axes: WordArray, places: IntArray, texts: list[bytes]) -
 
 def _rendered(lines: Lines, axes: WordArray, newline: WordArray, rows: slice) -> list[bytes]:
     """Some lines as text, cut at the marks: a row of words each, zero bytes deleted."""
-    written = lines.written[rows]
-    words = np.zeros((len(written), _LINE_WORDS), dtype=np.uint32)
-    words[:, 0] = np.where(written[:, 0], _G1_X, _G1)
-    for axis, letter in enumerate((None, _Y, _Z)):
-        named = np.flatnonzero(written[:, axis])
-        if letter is not None:
-            words[named, 3 * axis] = letter
-        words[named, 3 * axis + 1], words[named, 3 * axis + 2] = coordinate_words(lines.thousandths[rows, axis][named])
-    named = np.flatnonzero(lines.feeds[rows])
-    words[named, 9] = axes[lines.tool[rows][named]]
-    for column, part in enumerate(filament_words(lines.steps[rows][named]), start=10):
-        words[named, column] = part
-    named = np.flatnonzero(lines.hastens[rows])
-    words[named, 14] = _F
-    words[named, 15], words[named, 16] = feedrate_words(lines.feedrate[rows][named])
-    words[:, 17] = newline[rows]
-    signs = words.reshape(-1).view(np.uint8)
-    signs = signs[signs != 0]
-    marks = np.flatnonzero(signs == _MARK)
-    ends = [*marks.tolist(), len(signs)]
-    return [signs[begin:end].tobytes() for begin, end in zip([0, *(marks + 1).tolist()], ends, strict=True)]
+    thousandths, written, feeds = lines.thousandths[rows], lines.written[rows], lines.feeds[rows]
+    words = np.zeros((len(feeds), _LINE_WORDS), dtype=np.uint32)
+    for axis, letter in enumerate((_G1_X, _Y, _Z)):
+        _place(words, 3 * axis, written[:, axis], letter, coordinate_words, thousandths[:, axis])
+    words[~written[:, 0], 0] = _G1
+    _place(words, 9, feeds, axes.take(lines.tool[rows]), filament_words, lines.steps[rows])
+    hastens = np.flatnonzero(lines.hastens[rows])
+    words[hastens, 14], words[hastens, 15] = feedrate_words(lines.feedrate[rows][hastens])
+    words[:, 16] = newline[rows]
+    return words.tobytes().translate(None, b"\0").split(_MARK)
+
+
+def _place(
+    words: WordArray,
+    column: int,
+    named: BoolArray,
+    letter: np.uint32 | WordArray,
+    number_words: Callable[[NDArray[Any]], tuple[WordArray, ...]],
+    numbers: NDArray[Any],
+) -> None:
+    """Write a letter and a number into the lines that name it, into the words from a column on.
+
+    What most lines name is written into all of them and taken out of the others.
+    """
+    if 2 * np.count_nonzero(named) > len(named):
+        parts = letter, *number_words(numbers)
+        for number, part in enumerate(parts, start=column):
+            words[:, number] = part
+        words[~named, column : column + len(parts)] = 0
+    else:
+        rows = np.flatnonzero(named)
+        words[rows, column] = np.broadcast_to(letter, len(named))[rows]
+        for number, part in enumerate(number_words(numbers[rows]), start=column + 1):
+            words[rows, number] = part
 
 
 def _header_lines(settings: PrintSettings, header: list[str]) -> list[str]:
@@ -110,4 +126,4 @@ def _comment(text: str) -> str:
 
 
 def _joined(lines: list[str]) -> bytes:
-    return "".join(line + "\n" for line in lines).encode("ascii")
+    return "\n".join([*lines, ""]).encode("ascii")

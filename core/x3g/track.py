@@ -111,7 +111,8 @@ class _Follower:
         counter = np.tile(np.array(self._place[3:], dtype=np.int64), (count, 1))
         fed = np.maximum.accumulate(np.where(lines.feeds[rows], np.arange(count), -1))
         counter[fed >= 0, self._tool] = lines.steps[rows][fed[fed >= 0]]
-        self._append(lines.thousandths[rows], counter, lines.feedrate[rows], Kind.MOVE)
+        position, feedrate = (column[rows].astype(np.int64) for column in (lines.thousandths, lines.feedrate))
+        self._append(position, counter, feedrate, Kind.MOVE)
 
     def track(self) -> Track:
         """All rows so far."""
