@@ -1,5 +1,7 @@
 """Slicing against analytic truths: areas, closed loops, degenerate positions, overlapping shells."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
@@ -7,8 +9,9 @@ from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.cycles import cycles
+from dualcolor.core.slicing.edges import faces_beyond
 from dualcolor.core.slicing.intersect import intersect
-from dualcolor.core.slicing.link import by_neighbours, by_sorting, link
+from dualcolor.core.slicing.link import link
 from dualcolor.core.slicing.outlines import Outlines, starts
 from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.slicing.slices import slices
@@ -229,6 +232,20 @@ def test_cycles_of_a_permutation():
     assert rank.tolist() == [0, 2, 0, 1, 0, 1]
 
 
+def test_cycles_of_a_long_permutation_are_those_that_steps_find():
+    """Long ones, and thousands that are so short that no ruler lies on them."""
+    rng = np.random.default_rng(4)
+    lengths = [20_000, 300, *[3] * 2000]
+    first, shuffled = starts(np.array(lengths)), rng.permutation(sum(lengths))
+    successor = np.empty(len(shuffled), dtype=np.int64)
+    root, rank = np.empty_like(successor), np.empty_like(successor)
+    for begin, end in pairwise(first):
+        cycle = np.roll(shuffled[begin:end], -np.argmin(shuffled[begin:end]))
+        successor[cycle], root[cycle], rank[cycle] = np.roll(cycle, -1), cycle[0], np.arange(len(cycle))
+    found_root, found_rank = cycles(successor)
+    assert np.array_equal(found_root, root) and np.array_equal(found_rank, rank)
+
+
 def test_every_loop_is_closed_and_uses_all_segments():
     mesh = triangulate(cylinder(sides=40), KEEP)
     stack = layer_stack(10.0, KEEP)
@@ -268,19 +285,21 @@ def test_real_models_have_the_volume_of_their_mesh(data, name, height):
     assert shapely.is_valid(result.regions).all()
 
 
-def test_cuts_are_linked_alike_with_and_without_sorting():
-    mesh = triangulate(joined(lathe([[10, 0], [6, 7], [9, 16]]), box((20, -5, 0), (30, 5, 12))), KEEP)
-    cuts = intersect(mesh, layer_stack(16.0, KEEP).plane)
-    assert np.array_equal(by_neighbours(cuts), by_sorting(cuts))
-
-
-def test_cuts_that_are_not_paired_one_to_one_are_sorted():
+@pytest.mark.parametrize("inward", [None, False, True])
+def test_each_cut_goes_on_where_it_ends_also_among_solids_that_touch(inward):
     solid = box((0, 0, 0), (10, 10, 5))
-    planes = layer_stack(5.0, KEEP).plane
-    for model in (joined(solid, solid), joined(solid, box((0, 0, 0), (10, 10, 5), inward=True))):
-        cuts = intersect(triangulate(model, KEEP), planes)
-        assert by_neighbours(cuts) is None
-        assert sorted(by_sorting(cuts)) == list(range(len(cuts.face)))
+    others = [lathe([[10, 0], [6, 7], [9, 16]])] if inward is None else [box((0, 0, 0), (10, 10, 5), inward=inward)]
+    cuts = intersect(triangulate(joined(solid, *others), KEEP), layer_stack(5.0, KEEP).plane)
+    assert sorted(cuts.successor) == list(range(len(cuts.layer)))
+    assert np.array_equal(cuts.layer[cuts.successor], cuts.layer)
+    assert np.array_equal(cuts.points[cuts.successor, 0], cuts.points[:, 1])
+
+
+def test_edges_of_a_mesh_too_large_to_sort_with_its_numbers_are_paired_alike():
+    faces = triangulate(lathe([[10, 0], [6, 7], [9, 16]]), KEEP).faces
+    level = faces % 7
+    far_apart = faces * ((1 << 31) // (faces.max() + 1))
+    assert np.array_equal(faces_beyond(far_apart, level), faces_beyond(faces, level))
 
 
 def test_segments_are_known_again_either_way_round_but_not_among_equal_ones():

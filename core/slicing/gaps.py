@@ -2,32 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import shapely
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import FloatArray, IntArray
 from .cycles import cycles
 from .intersect import Segments
 
 
-@dataclass(frozen=True)
-class ClosedChains:
-    """What could be closed.
-
-    Attributes:
-        segments: S' segments of closed outlines, some turned round.
-        successor: (S',) the segment that follows each one, a permutation.
-        open_layers: (K,) layers in which a chain had to be left out, increasing.
-    """
-
-    segments: Segments
-    successor: IntArray
-    open_layers: IntArray
-
-
-def close_chains(segments: Segments, successor: IntArray, reach: float) -> ClosedChains:
+def close_chains(segments: Segments, reach: float) -> tuple[Segments, IntArray]:
     """Join chains whose ends are near each other, nearest first, whichever way round they run; leave out the rest.
 
     Every segment is looked at in both directions: s runs as it was cut, s + S backwards. An end that finds no partner
@@ -36,20 +21,24 @@ def close_chains(segments: Segments, successor: IntArray, reach: float) -> Close
 
     Args:
         segments: S of all layers.
-        successor: (S,) the segment that starts on the mesh edge where each one ends, -1 where none does.
         reach: mm, the widest gap that is closed.
+
+    Returns:
+        The segments of closed outlines, some turned round, and (K,) the layers in which a chain had to be left out,
+        increasing.
     """
-    count = len(successor)
-    going_on = _both_ways(successor)
-    heads = np.flatnonzero(successor < 0)
+    count = len(segments.successor)
+    points = segments.points
+    going_on = _both_ways(segments.successor)
+    heads = np.flatnonzero(segments.successor < 0)
     tails = np.flatnonzero(going_on[count:] < 0)
     # A loose end is the state that arrives there: heads forwards, tails backwards.
     ends = np.concatenate([heads, tails + count])
-    points = np.concatenate([segments.points[heads, 1], segments.points[tails, 0]])
-    partner = _nearest_pairs(points, segments.layer[ends % count], reach)
+    places = np.concatenate([points[heads, 1], points[tails, 0]])
+    partner = _nearest_pairs(places, segments.layer[ends % count], reach)
     mirrored = (ends + count) % (2 * count)
     going_on[ends] = np.where(partner >= 0, mirrored[partner], mirrored)
-    return _one_way(segments, going_on)
+    return _one_way(segments, going_on, np.linalg.norm(points[:, 1] - points[:, 0], axis=1))
 
 
 def _both_ways(successor: IntArray) -> IntArray:
@@ -84,13 +73,12 @@ def _nearest_pairs(points: FloatArray, layer: IntArray, reach: float) -> IntArra
     return partner
 
 
-def _one_way(segments: Segments, going_on: IntArray) -> ClosedChains:
-    """Of each outline and its mirror image the one that keeps more of the segments as they were cut."""
+def _one_way(segments: Segments, going_on: IntArray, length: FloatArray) -> tuple[Segments, IntArray]:
+    """Of each outline and its mirror image the one that keeps more of the segments, `length` (S,), as they were cut."""
     count = len(going_on) // 2
     root, _ = cycles(going_on)
     mirror_root = np.concatenate([root[count:], root[:count]])
     is_open = root == mirror_root
-    length = np.linalg.norm(segments.points[:, 1] - segments.points[:, 0], axis=1)
     forwards = np.bincount(root[:count], weights=length, minlength=2 * count)
     better = (forwards[root] > forwards[mirror_root]) | (
         (forwards[root] == forwards[mirror_root]) & (root < mirror_root)
@@ -98,20 +86,9 @@ def _one_way(segments: Segments, going_on: IntArray) -> ClosedChains:
     kept = np.flatnonzero(~is_open & better)
     place = np.full(2 * count, -1, dtype=np.int64)
     place[kept] = np.arange(len(kept))
-    turned = turned_segments(segments, kept % count, kept >= count)
-    return ClosedChains(turned, place[going_on[kept]], np.unique(segments.layer[is_open[:count]]))
-
-
-def turned_segments(segments: Segments, index: IntArray, turn: BoolArray) -> Segments:
-    """Some of the segments, those that `turn` marks running the other way."""
-    points, carried = segments.points[index], segments.carried[index]
-    points[turn], carried[turn] = points[turn, ::-1], carried[turn, ::-1]
-    tail, head = segments.tail[index], segments.head[index]
-    return Segments(
-        segments.layer[index],
-        segments.face[index],
-        np.where(turn, head, tail),
-        np.where(turn, tail, head),
-        points,
-        carried,
+    tail = np.concatenate([segments.tail, segments.head])[kept]
+    head = np.concatenate([segments.head, segments.tail])[kept]
+    chosen = replace(
+        segments, layer=segments.layer[kept % count], tail=tail, head=head, successor=place[going_on[kept]]
     )
+    return chosen, np.unique(segments.layer[is_open[:count]])

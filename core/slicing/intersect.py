@@ -3,44 +3,88 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray, TriangleMesh
-from ..pattern.chunks import in_chunks
-from .outlines import ranges
+from .edges import faces_beyond
+from .outlines import ranges, starts
 
-# For each set of corners above a plane, as bits: the corner that is alone on its side and the two that follow it, and
-# whether it is above.
-_FROM_APEX = (np.array([0, 0, 1, 2, 2, 1, 0, 0]) + np.arange(3)[:, None]) % 3
-_LONE_IS_ABOVE = np.array([False, True, True, False, True, False, False, False])
+_BEFORE = np.array([2, 0, 1])  # the corner before each one of a face
 
 
 @dataclass(frozen=True)
 class Segments:
     """S segments, solid on their left where the mesh's normals point outwards.
 
+    A mesh edge is named by the corner of a face that it starts from: 3 f + k leads from corner k of face f to the next.
+
     Attributes:
+        mesh: F faces.
+        planes: (L,) mm, increasing.
         layer: (S,) int64.
-        face: (S,) int64.
-        tail: (S,) int64, the mesh edge that the segment starts on.
-        head: (S,) int64, the mesh edge that it ends on.
-        points: (S, 2, 2) float64 mm, both ends.
-        carried: (S, 2, 3) float64, u, v and vertex tone at both ends.
+        tail: (S,) int64, the edge that the segment starts on.
+        head: (S,) int64, the edge of the same face that it ends on.
+        successor: (S,) int64, the segment that starts where each one ends, in the face beyond; -1 where none does.
     """
 
+    mesh: TriangleMesh
+    planes: FloatArray
     layer: IntArray
-    face: IntArray
     tail: IntArray
     head: IntArray
-    points: FloatArray
-    carried: FloatArray
+    successor: IntArray
+
+    @property
+    def points(self) -> FloatArray:
+        """(S, 2, 2) mm, both ends."""
+        x, y, z = self.mesh.vertices.T
+        ends = [edge_shares(self.mesh.faces, z, edge, self.planes[self.layer]) for edge in (self.tail, self.head)]
+        return np.stack([np.stack([between(column, *end) for column in (x, y)], axis=1) for end in ends], axis=1)
 
 
-def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
-    """Cut every face with every plane that passes through it.
+@dataclass(frozen=True)
+class Crossings:
+    """Which layers cut each face through which of its edges: K spans of layers, those of a face in a row.
+
+    Attributes:
+        mesh: F faces.
+        planes: (L,) mm, increasing.
+        first: (K,) int64, the lowest layer of each span.
+        end: (K,) int64, the layer above the span.
+        tail: (K,) int64, the edge that the cuts start on, see `Segments`.
+        head: (K,) int64, the edge that they end on.
+        beyond: (K,) int64, the face on the other side of that edge, -1 for none.
+    """
+
+    mesh: TriangleMesh
+    planes: FloatArray
+    first: IntArray
+    end: IntArray
+    tail: IntArray
+    head: IntArray
+    beyond: IntArray
+
+    def between(self, low: int, high: int) -> Crossings:
+        """What is cut by the layers from `low` to the one before `high`."""
+        some = np.flatnonzero((self.first < high) & (self.end > low))
+        first, end = np.maximum(self.first[some], low), np.minimum(self.end[some], high)
+        return Crossings(self.mesh, self.planes, first, end, self.tail[some], self.head[some], self.beyond[some])
+
+    def segments(self) -> Segments:
+        """The cuts, face by face and upwards in each."""
+        count = self.end - self.first
+        layer = ranges(self.first, count)
+        span = np.repeat(np.arange(len(count)), count)
+        # The cuts of a face stand in a row, so the one that goes on is found by the face beyond and the layer.
+        base = np.zeros(len(self.mesh.faces), dtype=np.int64)
+        base[self.tail // 3] = starts(count)[:-1] - self.first
+        successor = np.where(self.beyond < 0, -1 - len(self.planes), base[self.beyond])[span] + layer
+        return Segments(self.mesh, self.planes, layer, self.tail[span], self.head[span], np.maximum(successor, -1))
+
+
+def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
+    """Find the planes that pass through each face.
 
     A vertex exactly on a plane counts as above it. With that rule each face is crossed through exactly two of its
     edges or not at all, whatever touches the plane, so loops stay closed without any special case; coplanar facets
@@ -50,53 +94,47 @@ def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
         mesh: F faces.
         planes: (L,) mm, increasing.
     """
-    corner = mesh.faces.ravel()
-    height = mesh.vertices[:, 2][corner]
-    first, end = (np.searchsorted(planes, extreme, side="right") for extreme in extremes(height))
-    count = end - first
-    face = np.repeat(np.arange(len(mesh.faces)), count)
-    layer = ranges(first, count)
-    edge = _edge_ids(mesh.faces).ravel()
-    carried = np.concatenate([mesh.face_uv, mesh.face_tone[..., None]], axis=2).reshape(-1, 3)
-
-    def chunk(face: IntArray, layer: IntArray) -> tuple[NDArray[Any], ...]:
-        """Edges, ends and what they carry of some of the cuts."""
-        plane, corners = planes[layer], 3 * face
-        above = sum((height[corners + k] >= plane) * np.int64(1 << k) for k in range(3))
-        # Corners in the face's own turn, the apex first: the cut runs from edge (0, 1) to edge (2, 0) when the apex is
-        # above, and back when it is below.
-        apex, second, third = (corners + turned[above] for turned in _FROM_APEX)
-        lone_is_above = _LONE_IS_ABOVE[above]
-        ahead, behind = np.where(lone_is_above, (second, third), (third, second))
-        cuts = [_cut(mesh.vertices, corner, carried, plane, apex, other) for other in (ahead, behind)]
-        tail, head = np.where(lone_is_above, (apex, third), (third, apex))
-        points, values = (np.stack(pair, axis=1) for pair in zip(*cuts, strict=True))
-        return edge[tail], edge[head], points, values
-
-    return Segments(layer, face, *in_chunks(chunk, face, layer))
+    level = np.searchsorted(planes, mesh.vertices[:, 2], side="right")[mesh.faces]
+    # Three sorted by hand, with the number of the corner in the last bits.
+    a, b, c = (4 * level[:, k] + k for k in range(3))
+    a, b = np.minimum(a, b), np.maximum(a, b)
+    lowest, middle, highest = np.minimum(a, c), np.maximum(a, np.minimum(b, c)) >> 2, np.maximum(b, c)
+    # Below its middle corner a face is cut around its lowest one, above it around its highest one. A cut starts on the
+    # edge that leads down and ends on the one that leads up.
+    low, high = lowest & 3, highest & 3
+    corner = 3 * np.arange(len(level))[:, None]
+    tail = (corner + np.stack([_BEFORE[low], high], axis=1)).ravel()
+    head = (corner + np.stack([low, _BEFORE[high]], axis=1)).ravel()
+    first, end = np.stack([lowest >> 2, middle], axis=1).ravel(), np.stack([middle, highest >> 2], axis=1).ravel()
+    some = np.flatnonzero(first < end)
+    head = head[some]
+    return Crossings(mesh, planes, first[some], end[some], tail[some], head, faces_beyond(mesh.faces, level)[head])
 
 
-def extremes(height: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(F,) the least and the greatest of the heights (3F,) of each face's corners."""
-    a, b, c = height[0::3], height[1::3], height[2::3]
-    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
+    """Cut every face with every plane that passes through it; see `crossings`."""
+    return crossings(mesh, planes).segments()
 
 
-def _edge_ids(faces: IntArray) -> IntArray:
-    """(F, 3) id of the undirected edge from corner k to corner k + 1."""
-    tail, head = faces, np.roll(faces, -1, axis=1)
-    key = np.minimum(tail, head) * (faces.max(initial=0) + 1) + np.maximum(tail, head)
-    return np.asarray(np.unique(key.ravel(), return_inverse=True)[1].reshape(faces.shape), dtype=np.int64)
+def edge_shares(
+    faces: IntArray, height: FloatArray, edge: IntArray, plane: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """(N,) the vertices of edges, the lower number first, and (N,) the share of the way to the other one up to planes.
+
+    By number, so that all faces of an edge are cut in the very same point.
+    """
+    begin, end = faces.take(edge), faces.take(following_corner(edge))
+    low, high = np.minimum(begin, end), np.maximum(begin, end)
+    base = height.take(low)
+    return low, high, (plane - base) / (height.take(high) - base)
 
 
-def _cut(
-    vertices: FloatArray, corner: IntArray, carried: FloatArray, plane: FloatArray, a: IntArray, b: IntArray
-) -> tuple[FloatArray, FloatArray]:
-    """Point and carried values where the edge between corners a and b of the mesh meets its plane."""
-    # From the lower vertex number to the higher one, so that both faces of an edge get the very same point.
-    swap = corner[a] > corner[b]
-    a, b = np.where(swap, (b, a), (a, b))
-    low, high = (vertices.take(corner[end], axis=0) for end in (a, b))
-    share = ((plane - low[:, 2]) / (high[:, 2] - low[:, 2]))[:, None]
-    value = carried.take(a, axis=0)
-    return low[:, :2] + share * (high - low)[:, :2], value + share * (carried.take(b, axis=0) - value)
+def between(column: FloatArray, begin: IntArray, end: IntArray, share: FloatArray) -> FloatArray:
+    """(N,) values of a column, the share of the way from one row to another."""
+    base = column.take(begin)
+    return base + share * (column.take(end) - base)
+
+
+def following_corner(corner: IntArray) -> IntArray:
+    """(N,) the next corner of the same face."""
+    return corner + 1 - 3 * ((corner - 3 * (corner // 3)) >> 1)

@@ -1,0 +1,55 @@
+"""The faces on both sides of the mesh edges that planes cut."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..model import IntArray
+
+
+def faces_beyond(faces: IntArray, level: IntArray) -> IntArray:
+    """The face across each edge that leads up, seen from its own face.
+
+    An edge is a corner 3 f + k: it leads from corner k of face f to the next one. The edge that leads up in one face
+    leads down in the other. Where an edge has several of either, as where solids touch, the k-th goes with the k-th.
+
+    Args:
+        faces: (F, 3) vertices.
+        level: (F, 3) how many planes lie at each corner or below it.
+
+    Returns:
+        (3F,) the face beyond each edge, -1 where there is none and for all edges that do not lead up past a plane.
+    """
+    start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
+    rise = (level[:, [1, 2, 0]] - level).ravel()
+    up, down = np.flatnonzero(rise > 0), np.flatnonzero(rise < 0)
+    vertices = int(faces.max(initial=0)) + 1
+    up_key, up = _sorted(start[up] * vertices + end[up], up, vertices)
+    down_key, down = _sorted(end[down] * vertices + start[down], down, vertices)
+    beyond = np.full(len(start), -1, dtype=np.int64)
+    if np.array_equal(up_key, down_key):
+        beyond[up] = down // 3
+        return beyond
+    where = np.searchsorted(down_key, up_key) + _rank_in_group(up_key)
+    paired = where < len(down)
+    paired[paired] = down_key[where[paired]] == up_key[paired]
+    beyond[up[paired]] = down[where[paired]] // 3
+    return beyond
+
+
+def _sorted(key: IntArray, edge: IntArray, vertices: int) -> tuple[IntArray, IntArray]:
+    """Both sorted by key (less than vertices²), edges of one key in increasing order as they come."""
+    bits = int(edge[-1]).bit_length() if len(edge) else 0
+    if 2 * (vertices - 1).bit_length() + bits > 63:
+        order = np.argsort(key, kind="stable")
+        return key[order], edge[order]
+    # Sorting numbers that hold both takes a third of the time of sorting their places.
+    both = np.sort((key << bits) | edge)
+    return both >> bits, both & ((1 << bits) - 1)
+
+
+def _rank_in_group(ordered: IntArray) -> IntArray:
+    """(N,) how many equal ones come before each of some sorted numbers."""
+    index = np.arange(len(ordered))
+    fresh = np.append(True, ordered[1:] != ordered[:-1])[: len(ordered)]
+    return np.asarray(index - np.maximum.accumulate(np.where(fresh, index, 0)))
