@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from os import PathLike
@@ -15,6 +15,7 @@ from mathutils import Matrix
 from ..core.errors import OutputError, PrintError
 from ..core.files import write_file
 from ..core.model import FloatArray, SurfaceModel
+from ..core.progress import drained
 from ..core.toolpaths.moves import Feature
 from ..core.viewing import Picture
 from .curves import STRANDS_KEY, read_strands, set_drawing
@@ -33,6 +34,10 @@ BESIDE_THE_OBJECT = (
     Feature.OOZE_SHIELD,
 )
 STUDIO_SIZE = 100.0
+
+
+class RenderStoppedError(Exception):
+    """The user has stopped Blender's render."""
 
 
 def render_prediction(
@@ -62,22 +67,27 @@ def render_prediction(
     if not Path(path).absolute().parent.is_dir():
         raise OutputError(f"{path} cannot be written, its folder does not exist", "choose another path")
     with photographer(collection, resolution, samples, whole_plate) as camera:
-        write_file(path, camera.file(azimuth_deg, elevation_deg))
+        write_file(path, drained(camera.file(azimuth_deg, elevation_deg)))
 
 
 class Photographer:
-    """Strands in the studio; made by `photographer`.
+    """Strands in the studio; made by `photographer`. Its pictures are generators that yield while they wait.
 
     Attributes:
         mm_per_pixel: at the middle of the object, of the latest picture.
     """
 
-    def __init__(self, scene: bpy.types.Scene, studio: Studio, painted: bpy.types.Object | None, mm: float) -> None:
+    def __init__(
+        self, scene: bpy.types.Scene, studio: Studio, painted: bpy.types.Object | None, mm: float, in_window: bool
+    ) -> None:
         self._scene, self._studio, self._painted, self._mm = scene, studio, painted, mm
+        self._in_window = in_window
         self._strands = [held for held in scene.objects if held.type == "CURVES"]
         self.mm_per_pixel = 0.0
 
-    def file(self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False) -> bytes:
+    def file(
+        self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False
+    ) -> Generator[None, None, bytes]:
         """A picture as a PNG file.
 
         Args:
@@ -88,6 +98,8 @@ class Photographer:
 
         Raises:
             ValueError: the model was not given.
+            RenderStoppedError: by the user.
+            PrintError: Blender renders something else.
         """
         if painted and self._painted is None:
             raise ValueError("the photographer was not given the model")
@@ -101,16 +113,18 @@ class Photographer:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "picture.png"
             self._scene.render.filepath = str(path)
-            bpy.ops.render.render(write_still=True, scene=self._scene.name)
+            yield from _rendered(self._scene, self._in_window)
+            if not path.is_file():
+                raise RenderStoppedError
             return path.read_bytes()
 
     def picture(
         self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False
-    ) -> Picture:
+    ) -> Generator[None, None, Picture]:
         """(H, W, 3) uint8 what `file` writes."""
         from PIL import Image
 
-        data = self.file(azimuth_deg, elevation_deg, steady=steady, painted=painted)
+        data = yield from self.file(azimuth_deg, elevation_deg, steady=steady, painted=painted)
         with Image.open(BytesIO(data)) as image:
             return np.asarray(image.convert("RGB"))
 
@@ -123,6 +137,7 @@ def photographer(
     whole_plate: bool = False,
     model: SurfaceModel | None = None,
     background: float = 0.5,
+    in_window: bool = False,
 ) -> Iterator[Photographer]:
     """The strands of a preview set up in a scene of their own that is gone afterwards; nothing else is changed.
 
@@ -133,6 +148,8 @@ def photographer(
         whole_plate: with the cleaning tower, the skirt and the supports; otherwise the object alone.
         model: what the strands were made from, to be shown with its own tones.
         background: tone where nothing is painted on the model.
+        in_window: as Blender's own Render Image does it: the picture is seen as it gets clearer, the windows answer,
+            Esc stops it. Needs them to be drawn between the yields.
 
     Raises:
         PrintError: there are no strands to show.
@@ -145,7 +162,18 @@ def photographer(
         if painted:
             scene.collection.objects.link(painted)
         _set_output(scene, resolution, samples)
-        yield Photographer(scene, Studio(scene, points, resolution), painted, unit / factor)
+        yield Photographer(scene, Studio(scene, points, resolution), painted, unit / factor, in_window)
+
+
+def _rendered(scene: bpy.types.Scene, in_window: bool) -> Generator[None, None, None]:
+    """Render a scene to its file, which is not there if the user stops it."""
+    if not in_window:
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+        return
+    if "CANCELLED" in bpy.ops.render.render("INVOKE_DEFAULT", write_still=True, scene=scene.name):
+        raise PrintError("Blender is rendering something else", "render the print when that has ended")
+    while bpy.app.is_job_running("RENDER"):
+        yield
 
 
 def _copy_strands(
@@ -209,13 +237,14 @@ def _device() -> str:
 
 @contextmanager
 def leaving_no_trace() -> Iterator[None]:
-    """Remove every datablock that comes into being inside."""
+    """Remove every datablock that comes into being inside, unless Blender is closed while it renders them."""
     kinds = ("scenes", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials", "images")
     before = {kind: set(getattr(bpy.data, kind)) for kind in kinds}
     try:
         yield
     finally:
-        for kind in kinds:
+        # Blender would wait for the end of a render whose scene is taken away, and the render for Blender.
+        for kind in () if bpy.app.is_job_running("RENDER") else kinds:
             held = getattr(bpy.data, kind)
             for made in set(held) - before[kind]:
                 held.remove(made)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
 from io import BytesIO
 from pathlib import Path
 
 import bpy
-import numpy as np
 
 from ..core.errors import OutputError
 from ..core.files import write_file
 from ..core.model import SurfaceModel
+from ..core.progress import Progress, drained, retold
 from ..core.viewing import (
     DISTANCES_MM,
     TURNTABLE,
@@ -39,6 +39,20 @@ def take_pictures(
     background: float = 0.5,
     on_progress: Callable[[float, str], None] | None = None,
 ) -> None:
+    """What `picture_steps` does, all at once; `on_progress` is told the share done and the view to come."""
+    steps = picture_steps(collection, files, options, sheet, model, background)
+    drained(steps, lambda step: on_progress(*step) if on_progress else None)
+
+
+def picture_steps(
+    collection: bpy.types.Collection,
+    files: Mapping[str, Path],
+    options: PictureOptions,
+    sheet: Path | None = None,
+    model: SurfaceModel | None = None,
+    background: float = 0.5,
+    in_window: bool = False,
+) -> Generator[Progress, None, None]:
     """Render a preview from several sides into PNG files, or as it turns into an animated GIF.
 
     Args:
@@ -49,57 +63,67 @@ def take_pictures(
             print from `options.distance` or from a desk; a row for each view that is not the turntable.
         model: what the print was made from.
         background: tone where nothing is painted on the model.
-        on_progress: told the share done and the view to come.
+        in_window: see `photographer`; yields the share done and the view to come, again and again while it waits.
 
     Raises:
         PrintError: there are no strands to show.
         OutputError: a file cannot be written.
+        RenderStoppedError: by the user.
     """
     for path in [*files.values(), *([sheet] if sheet else [])]:
         if not path.absolute().parent.is_dir():
             raise OutputError(f"{path} cannot be written, its folder does not exist", "choose another path")
-    tell = on_progress or (lambda share, stage: None)
     still = [view for view in files if view != TURNTABLE] or ([USUAL_VIEW] if sheet else [])
     rows = []
     shown = model if sheet else None
     if still:
         with photographer(
-            collection, options.resolution, options.samples, options.whole_plate, shown, background
+            collection, options.resolution, options.samples, options.whole_plate, shown, background, in_window
         ) as camera:
             for number, view in enumerate(still):
-                tell(number / len(files or still), f"rendering, {view}")
-                rows.append(_take(camera, view, files.get(view), options, sheet is not None, shown is not None))
+                step = number / len(files or still), f"rendering, {view}"
+                yield step
+                taken = _take(camera, view, files.get(view), options, sheet is not None, shown is not None)
+                rows.append((yield from retold(taken, lambda _, step=step: step)))
     if sheet:
         write_file(sheet, _png(contact_sheet(rows, _labels(options, shown is not None))))
     if TURNTABLE in files:
-        tell((len(files) - 1) / len(files), "rendering, turntable")
-        _turn(collection, files[TURNTABLE], options)
+        yield from _turn(collection, files[TURNTABLE], options, (len(files) - 1) / len(files), in_window)
 
 
 def _take(
     camera: Photographer, view: str, path: Path | None, options: PictureOptions, for_sheet: bool, with_model: bool
-) -> list[Picture]:
+) -> Generator[None, None, list[Picture]]:
     """Write one view, and return its row of the contact sheet."""
     azimuth, elevation = VIEWS[view]
     azimuth += options.azimuth_deg
-    near = camera.picture(azimuth, elevation)
+    near = yield from camera.picture(azimuth, elevation)
     if path:
         write_file(path, _png(_from_distance(near, camera.mm_per_pixel, options.distance)))
     if not for_sheet:
         return []
     far = _from_distance(near, camera.mm_per_pixel, options.distance or _SHEET_DISTANCE)
-    return [*([camera.picture(azimuth, elevation, painted=True)] if with_model else []), near, far]
+    with_tones = [(yield from camera.picture(azimuth, elevation, painted=True))] if with_model else []
+    return [*with_tones, near, far]
 
 
-def _turn(collection: bpy.types.Collection, path: Path, options: PictureOptions) -> None:
+def _turn(
+    collection: bpy.types.Collection, path: Path, options: PictureOptions, done: float, in_window: bool
+) -> Generator[Progress, None, None]:
+    """Write the turntable, the last of the files, when a share of them is done."""
     from PIL import Image
 
     shrink = min(1.0, _TURNTABLE_PIXELS / max(options.resolution))
     width, height = (max(round(pixels * shrink), 1) for pixels in options.resolution)
     frames = []
-    with photographer(collection, (width, height), options.samples, options.whole_plate) as camera:
-        for turn in np.arange(TURNTABLE_FRAMES) * 360.0 / TURNTABLE_FRAMES:
-            seen = camera.picture(options.azimuth_deg + float(turn), VIEWS["front"][1], steady=True)
+    size, plate = (width, height), options.whole_plate
+    with photographer(collection, size, options.samples, plate, in_window=in_window) as camera:
+        for number in range(TURNTABLE_FRAMES):
+            turn = number / TURNTABLE_FRAMES
+            step = done + (1 - done) * turn, f"rendering, turntable {number + 1}/{TURNTABLE_FRAMES}"
+            yield step
+            taken = camera.picture(options.azimuth_deg + 360.0 * turn, VIEWS["front"][1], steady=True)
+            seen = yield from retold(taken, lambda _, step=step: step)
             frames.append(Image.fromarray(_from_distance(seen, camera.mm_per_pixel, options.distance)))
     animation = BytesIO()
     frames[0].save(animation, "GIF", save_all=True, append_images=frames[1:], duration=_FRAME_MS, loop=0)

@@ -10,12 +10,14 @@ from bpy_extras.io_utils import ExportHelper
 from ..bridge.curves import preview_of, source_of
 from ..bridge.mesh_input import WITH_SURFACE, surface_model
 from ..bridge.properties import to_settings
+from ..bridge.render import RenderStoppedError
 from ..bridge.rods import rods_of
-from ..bridge.views import take_pictures
+from ..bridge.views import picture_steps
 from ..core.errors import PrintError
 from ..core.mesh_files import write_mesh
 from ..core.outputs import OutputFiles
 from ..core.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
+from .job import JobOperator, Steps
 from .viewing import show_file
 
 _VIEW_ITEMS = [
@@ -29,9 +31,7 @@ _DISTANCE_ITEMS = [("ALL", "Everything", "Leave all detail in")] + [
 
 
 class _ForStrands:
-    """What operators on the strands of the active object have in common."""
-
-    written: tuple[Path, ...] = ()
+    """What operators that save something of the active object's strands have in common."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -48,19 +48,11 @@ class _ForStrands:
             self.filepath = bpy.path.clean_name(source_of(context.object).name) + self.filename_ext
         return ExportHelper.invoke(self, context, event)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Write the file or files, all or none."""
-        try:
-            self.written = tuple(self.write(context, Path(bpy.path.abspath(self.filepath))))
-        except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"Saved {', '.join(path.name for path in self.written)}")
-        return {"FINISHED"}
 
-
-class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operator):
+class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy.types.Operator):
     """Render the strands in a small studio with Cycles, which takes about a minute, and show the picture"""
+
+    _written: tuple[Path, ...] = ()
 
     bl_idname = "dualcolor.render_prediction"
     bl_label = "Render Predicted Print"
@@ -98,20 +90,37 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operat
         layout.column(align=True).prop(self, "views")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Render under a waiting cursor, then show the last picture."""
-        if context.window is None or bpy.app.background:
-            return super().execute(context)
-        context.window.cursor_set("WAIT")
+        """Render: beside the window if the user has asked in it, while a script waits for the files."""
+        if self.options.is_invoke and not bpy.app.background:
+            return JobOperator.invoke(self, context, None)
+        return JobOperator.execute(self, context)
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Wait for the renderer, then show the last picture; Esc is for the renderer."""
+        if event.type == "ESC" and bpy.app.is_job_running("RENDER"):
+            return {"PASS_THROUGH"}
         try:
-            outcome = super().execute(context)
-        finally:
-            context.window.cursor_set("DEFAULT")
-        if self.written:
-            show_file(context, self.written[-1])
+            outcome = JobOperator.modal(self, context, event)
+        except RenderStoppedError:
+            self.report({"INFO"}, "Cancelled, nothing was saved")
+            return {"CANCELLED"}
+        if outcome == {"FINISHED"}:
+            show_file(context, self._written[-1])
         return outcome
 
-    def write(self, context: bpy.types.Context, path: Path) -> list[Path]:
-        """Take the pictures."""
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Stop; Blender calls this too when its file browser is left, before there is a job."""
+        if hasattr(self, "_job"):
+            JobOperator.cancel(self, context)
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """Take the pictures and write all or none.
+
+        Raises:
+            PrintError: to be reported to the user; nothing has been written.
+            RenderStoppedError: by the user.
+        """
+        path = Path(bpy.path.abspath(self.filepath))
         source = source_of(context.object)
         views = [view for view in (*VIEWS, TURNTABLE) if view.upper().replace("-", "_") in self.views]
         paths = view_files(path, [] if views == ["three-quarter"] else views)
@@ -131,8 +140,12 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, ExportHelper, bpy.types.Operat
         wanted = [*paths.values(), *([sheet] if sheet else [])]
         with OutputFiles(wanted) as files:
             staged = {view: files.staged(each) for view, each in paths.items()}
-            take_pictures(preview_of(source), staged, options, sheet and files.staged(sheet), model, background)
-        return wanted
+            in_window = self.options.is_invoke and not bpy.app.background
+            yield from picture_steps(
+                preview_of(source), staged, options, sheet and files.staged(sheet), model, background, in_window
+            )
+        self._written = tuple(wanted)
+        return f"Saved {', '.join(written.name for written in wanted)}"
 
 
 class DUALCOLOR_OT_export_strands(_ForStrands, ExportHelper, bpy.types.Operator):
@@ -144,11 +157,17 @@ class DUALCOLOR_OT_export_strands(_ForStrands, ExportHelper, bpy.types.Operator)
     filename_ext = ".stl"
     filter_glob: bpy.props.StringProperty(default="*.stl;*.obj", options={"HIDDEN"})
 
-    def write(self, context: bpy.types.Context, path: Path) -> list[Path]:
-        """Sweep the strands."""
-        with OutputFiles([path]) as files:
-            write_mesh(files.staged(path), rods_of(preview_of(source_of(context.object))))
-        return [path]
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Sweep the strands and write the file."""
+        path = Path(bpy.path.abspath(self.filepath))
+        try:
+            with OutputFiles([path]) as files:
+                write_mesh(files.staged(path), rods_of(preview_of(source_of(context.object))))
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Saved {path.name}")
+        return {"FINISHED"}
 
 
 OPERATORS = (DUALCOLOR_OT_render_prediction, DUALCOLOR_OT_export_strands)

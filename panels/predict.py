@@ -7,6 +7,7 @@ import bpy
 from ..bridge.curves import preview_of, source_of
 from ..bridge.mesh_input import WITH_SURFACE
 from ..operators.render import DUALCOLOR_OT_export_strands, DUALCOLOR_OT_render_prediction
+from .rows import draw_progress
 from .tab import Tab, order_of
 
 
@@ -30,6 +31,7 @@ class DUALCOLOR_PT_predict(Tab, bpy.types.Panel):
             layout.label(text="Generate the toolpath first", icon="INFO")
         elif obj.type in WITH_SURFACE:
             layout.prop(obj.dualcolor, "show_print", toggle=True, icon="HIDE_OFF")
+        draw_progress(layout, DUALCOLOR_OT_render_prediction)
         column = layout.column(align=True)
         column.operator(DUALCOLOR_OT_render_prediction.bl_idname, icon="RENDER_STILL")
         column.operator(DUALCOLOR_OT_export_strands.bl_idname, icon="EXPORT")

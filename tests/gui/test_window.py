@@ -196,7 +196,7 @@ def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_p
     picture, render = tmp_path / "waves.png", tmp_path / "print.png"
     Image.fromarray((255 * colours).astype(np.uint8)).save(picture)
     kept = Path(os.environ.get("DUALCOLOR_SCREENSHOTS", tmp_path)).resolve()
-    user = User(BLENDER, tmp_path / "blender", patience=400.0)  # it does not answer while it renders
+    user = User(BLENDER, tmp_path / "blender", patience=400.0)
     try:
         user.install(package)
         user.open_tab()
@@ -211,12 +211,28 @@ def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_p
         user.until("bpy.context.object.dualcolor.image is not None")
         user.shot(kept / "plate.png", VIEW, colours=48)
         generated(user)
-        user.press("dualcolor.render_prediction")
-        user.choose_file(render)
-        user.until(f"os.path.exists({str(render)!r})")
+        before = user.ask(EVERYTHING)
+        rendering = "bpy.app.is_job_running('RENDER')"
+        for stopped in (True, False):
+            user.press("dualcolor.render_prediction")
+            user.choose_file(render)
+            user.until(rendering)
+            time.sleep(5.0)
+            assert user.ask(rendering) and user.ask(RUNNING) and not render.exists()  # it answers while it renders
+            user.shot(kept / "rendering.png", (0, 0, 1280, 800), colours=48)
+            if stopped:
+                user.keys("Escape")
+            user.until(f"not {RUNNING}")
+            assert user.ask(f"not {rendering}") and user.ask("len(bpy.data.scenes)") == 1
+            assert render.exists() != stopped
+            if stopped:
+                user.put_away("Blender Render")
+        assert [sorted(set(now) - set(held)) for now, held in zip(user.ask(EVERYTHING), before, strict=True)] == [
+            [], [], [render.name]
+        ]  # fmt: skip
         shown = "area_of('IMAGE_EDITOR')[1].spaces.active.image.name"
         assert user.until(shown) == render.name
-        user.front("Image Editor")
+        user.front("Blender Render")
         user.shot(kept / "render.png", (100, 40, 1060, 700), colours=32)
     finally:
         user.close()

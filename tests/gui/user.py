@@ -137,7 +137,8 @@ class User(Window):
 
     def front(self, title: str) -> None:
         """Move a window to where all of it is seen; without a window manager it opens half above the screen."""
-        self._do("search", "--sync", "--onlyvisible", "--name", title, "windowmove", 40, 40, "sleep", 0.5)
+        self._do("search", "--sync", "--onlyvisible", "--name", title, "windowmove", 40, 40, "windowraise",
+                 "sleep", 0.5)  # fmt: skip
 
     def put_away(self, title: str) -> None:
         """Move a window out of the way; there is no window manager that could close it."""
