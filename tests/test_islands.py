@@ -2,6 +2,7 @@
 
 import numpy as np
 import shapely
+from dualcolor.core.texture import labels as labels_module
 from dualcolor.core.texture.islands import components
 from dualcolor.core.texture.labels import rasterised
 
@@ -30,6 +31,62 @@ def test_charts_beyond_the_picture_wrap_around():
     expected = np.zeros((16, 16), bool)
     expected[np.ix_([12, 13, 14, 15, *range(8)], [12, 13, 14, 15, 0, 1, 2, 3])] = True
     assert np.array_equal(labels == 0, expected)
+
+
+def folded_sheet(rng, count=300):
+    """Triangles (T, 3, 2) of a sheet crumpled in the plane, and the points (T, 3) that they share."""
+    flat = rng.uniform(0, 1, (count, 2))
+    parts = shapely.get_parts(shapely.delaunay_triangles(shapely.MultiPoint(flat)))
+    corners = shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3]
+    place = np.argmax((corners[:, :, None] == flat).all(axis=3), axis=2)
+    return rng.normal(flat, 0.05)[place], place
+
+
+def test_triangles_that_are_known_to_meet_give_the_same_labels():
+    rng = np.random.default_rng(11)
+    uv, place = folded_sheet(rng)
+    mirrored = np.cross(uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]) < 0
+    assert 0.05 < mirrored.mean() < 0.95
+    for shift in (0.0, 0.4, -3.3):
+        alone, _ = rasterised(uv + shift, np.zeros(len(uv), np.int64), 210, 190)
+        meeting, _ = rasterised(uv + shift, np.zeros(len(uv), np.int64), 210, 190, place)
+        assert np.array_equal(alone, meeting) and (alone == 0).mean() > 0.5
+
+
+def rectangle(u0, v0, u1, v1):
+    corners = np.array([[u0, v0], [u1, v0], [u1, v1], [u0, v1]])
+    return corners[[[0, 1, 2], [0, 2, 3]]]
+
+
+def test_islands_become_one_where_they_share_more_than_a_rounded_border():
+    charts = [(0.0, 0.0, 0.5, 0.5), (0.48, 0.0, 0.9, 0.5), (0.6, 0.1, 0.7, 0.2), (0.0, 0.6, 0.3, 0.9)]
+    charts += [(1.1, 0.7, 1.6, 0.8)]  # the same texels as the one before, next door
+    uv, island = np.concatenate([rectangle(*chart) for chart in charts]), np.repeat(np.arange(5), 2)
+    labels, after = rasterised(uv, island, 100, 100)
+    assert len(set(after[:2]) | set(after[2:6])) == 2 and len(set(after)) == 3
+    assert after[2] == after[4] and after[6] == after[8] and (after[::2] == after[1::2]).all()
+    assert set(labels[:50, :48].ravel()) == {after[0]} and set(labels[:50, 50:90].ravel()) == {after[2]}
+    assert set(labels[60:90, :30].ravel()) == {after[6]} == set(labels[70:80, 30:60].ravel())
+    assert np.count_nonzero(labels != -1) == 50 * 90 + 30 * 30 + 10 * 30
+
+
+def test_charts_far_out_are_where_they_would_be_near(monkeypatch):
+    uv = np.concatenate([rectangle(0.125, 0.25, 0.5, 0.75), rectangle(0.5, 0.25, 0.75, 0.5)])
+    island = np.repeat([0, 1], 2)
+    near, _ = rasterised(uv, island, 32, 32)
+    far = uv + np.repeat([[[-524288.0, 524288.0]], [[524288.0, -524288.0]]], 2, axis=0)
+    assert np.array_equal(rasterised(far, island, 32, 32)[0], near)
+    monkeypatch.setattr(labels_module, "_MOST_KEYS", 1)
+    assert np.array_equal(rasterised(far, island, 32, 32)[0], near)
+
+
+def test_components_of_a_star():
+    """Whichever number its middle has."""
+    for middle in (0, 700, 1999):
+        others = np.setdiff1d(np.arange(2000), middle)
+        for order in (others, others[::-1]):
+            root = components(np.stack([order, np.full(1999, middle)], axis=1))
+            assert len(set(root)) == 1
 
 
 def test_components_of_a_long_shuffled_chain():

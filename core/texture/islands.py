@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import IntArray, TriangleMesh
+from ..model import FloatArray, IntArray, TriangleMesh
 
 NO_ISLAND = -1
 
 _UV_STEP = 1e-6  # UVs nearer than this are the same; a tenth of a texel of the largest pictures
-_CHUNK_FACES = 1 << 17  # large meshes are worked on in parts, which stay in the cache and take little memory
 
-LabelImage = NDArray[np.int32]
-Node = TypeVar("Node", np.int32, np.int64)
+LabelImage = NDArray[np.signedinteger[Any]]
+"""Numbers of islands, of as few bytes as their count allows."""
 
 
 def uv_islands(mesh: TriangleMesh) -> IntArray:
@@ -25,75 +24,97 @@ def uv_islands(mesh: TriangleMesh) -> IntArray:
     """
     island = np.full(len(mesh.faces), NO_ISLAND, dtype=np.int64)
     faces = np.flatnonzero(mesh.face_texture >= 0)
-    if not len(faces):
-        return island
-    root = components(_places(mesh, faces))
-    is_root = np.zeros(root.max() + 1, dtype=bool)
-    is_root[root] = True
-    island[faces] = (np.cumsum(is_root) - 1)[root]
+    island[faces] = numbered(components(corner_places(mesh, faces)))
     return island
 
 
-def _places(mesh: TriangleMesh, faces: IntArray) -> LabelImage:
+def corner_places(mesh: TriangleMesh, faces: IntArray) -> IntArray:
     """(T, 3) the place in the textures at each corner of T faces: as a rule the vertex, at seams more than one.
 
     A vertex stands for the UV and the texture at one of its corners; only corners that differ from that are sorted.
     """
-    standing = np.zeros(len(mesh.vertices), dtype=np.int64)
-    place = np.empty((len(faces), 3), dtype=np.int32)
-    parts = [slice(begin, begin + _CHUNK_FACES) for begin in range(0, len(faces), _CHUNK_FACES)]
-    for part in parts:
-        place[part] = mesh.faces[faces[part]]
-        standing[place[part]] = 3 * faces[part, None] + np.arange(3)
-    uv = mesh.face_uv.reshape(-1, 2)
-    apart = np.empty(place.shape, dtype=bool)
-    for part in parts:
-        here, there = faces[part], standing[place[part]]
-        apart[part] = (np.abs(mesh.face_uv[here] - uv[there]) > _UV_STEP).any(axis=2)
-        apart[part] |= mesh.face_texture[here, None] != mesh.face_texture[there // 3]
-    if apart.any():
+    place, texture = mesh.faces.take(faces, axis=0), mesh.face_texture.take(faces)
+    uv = complex_uv(mesh.face_uv.take(faces, axis=0))
+    standing = np.empty(len(mesh.vertices), dtype=np.complex128)
+    standing[place] = uv
+    difference = standing.take(place)
+    difference -= uv
+    row, corner = np.divmod(np.flatnonzero(difference != 0), 3)
+    far = np.abs(difference[row, corner].view(np.float64).reshape(-1, 2)).max(axis=1) > _UV_STEP
+    row, corner = row[far], corner[far]
+    if texture.min(initial=0) != texture.max(initial=0):
+        owner = np.empty(len(mesh.vertices), dtype=np.int64)
+        owner[place] = texture[:, None]
+        apart = owner[place] != texture[:, None]
+        apart[row, corner] = True
         row, corner = np.nonzero(apart)
-        steps = np.rint(mesh.face_uv[faces[row], corner] / _UV_STEP).astype(np.int64).view(np.uint64)
-        owner = np.stack([place[row, corner], mesh.face_texture[faces[row]]]).astype(np.uint64)
-        key = _mixed(owner[0], owner[1], steps[:, 0], steps[:, 1])
+    if len(row):
+        steps = np.rint(mesh.face_uv[faces[row], corner] / _UV_STEP).astype(np.int64)
+        key = _mixed(place[row, corner], texture[row], steps[:, 0], steps[:, 1])
         place[row, corner] = len(mesh.vertices) + np.unique(key, return_inverse=True)[1]
     return place
 
 
-def components(groups: NDArray[Node]) -> NDArray[Node]:
-    """Connected components of nodes that occur together: of groups (G, k) of node numbers, each group's root (G,).
+def complex_uv(face_uv: FloatArray) -> NDArray[np.complex128]:
+    """(T, 3) u + iv of UVs (T, 3, 2): one number a corner."""
+    return np.ascontiguousarray(face_uv, dtype=np.float64).view(np.complex128)[..., 0]
 
-    Every group hooks the roots of its nodes to the least of them, then all paths are halved; groups that agree are
-    done, since roots only ever merge.
+
+def uv_areas(face_uv: FloatArray) -> FloatArray:
+    """(T,) area of triangles (T, 3, 2) in the picture, as a share of it, negative for those that are mirrored."""
+    uv = complex_uv(face_uv)
+    first, second = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    return np.asarray(0.5 * (first.real * second.imag - first.imag * second.real))
+
+
+def components(groups: IntArray) -> IntArray:
+    """Connected components of nodes that occur together: of groups (G, k) of node numbers, each group's root (G,)."""
+    columns = [np.ascontiguousarray(column) for column in groups.T]
+    one, other = (np.concatenate(ends) for ends in (columns[:-1], columns[1:]))
+    return np.asarray(_roots(one, other, int(groups.max(initial=-1)) + 1).take(columns[0]))
+
+
+def _roots(one: IntArray, other: IntArray, count: int) -> IntArray:
+    """(count,) alike for nodes that are connected by links from `one` (K,) to `other` (K,).
+
+    Every node is hooked to one that it is linked to and that has a lesser number, and all paths are halved. Then the
+    trees are nodes themselves, numbered the other way round: a node that has many linked to it, all of them greater
+    or all of them less, does no more than one link a round in one of the two ways, but all of them in the other.
     """
-    parent = np.arange(groups.max(initial=-1) + 1, dtype=groups.dtype)
-    open_groups = groups
-    while len(open_groups):
-        roots = parent[open_groups]
-        least = roots.min(axis=1)
-        apart = (roots != least[:, None]).any(axis=1)
-        open_groups, roots, least = open_groups[apart], roots[apart], least[apart]
-        np.minimum.at(parent, roots.ravel(), np.repeat(least, groups.shape[1]))
-        parent = _flattened(parent)
-    root: NDArray[Node] = parent[groups[:, 0]]
-    return root
+    parent = np.arange(count)
+    parent[np.maximum(one, other)] = np.minimum(one, other)
+    parent = _flattened(parent)
+    one, other = parent.take(one), parent.take(other)
+    apart = one != other
+    if not apart.any():
+        return parent
+    tree = np.cumsum((parent == np.arange(count))[::-1])[::-1] - 1
+    above = _roots(tree.take(one[apart]), tree.take(other[apart]), int(tree[0]) + 1)
+    return np.asarray(above.take(tree.take(parent)))
 
 
-def _mixed(*parts: NDArray[np.uint64]) -> NDArray[np.uint64]:
+def numbered(root: IntArray) -> IntArray:
+    """Roots (G,) as numbers from 0."""
+    is_root = np.zeros(root.max(initial=-1) + 1, dtype=bool)
+    is_root[root] = True
+    return np.asarray((np.cumsum(is_root) - 1).take(root))
+
+
+def _mixed(*parts: IntArray) -> NDArray[np.uint64]:
     """One 64-bit key of several numbers; unlike ones differ but for a chance of about n² / 2⁶⁵."""
     key = np.zeros(parts[0].shape, dtype=np.uint64)
     for part in parts:
-        key = (key ^ part) * np.uint64(0x9E3779B97F4A7C15)
+        key = (key ^ part.view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
         key ^= key >> np.uint64(29)
         key *= np.uint64(0xBF58476D1CE4E5B9)
         key ^= key >> np.uint64(32)
     return key
 
 
-def _flattened(parent: NDArray[Node]) -> NDArray[Node]:
+def _flattened(parent: IntArray) -> IntArray:
     """Every node's root."""
     while True:
-        above = parent[parent]
+        above = parent.take(parent)
         if np.array_equal(above, parent):
             return parent
         parent = above

@@ -9,11 +9,13 @@ import numpy as np
 
 from ..errors import TextureError
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
-from .islands import NO_ISLAND, LabelImage, components, uv_islands
+from ..slicing.outlines import ranges
+from .islands import NO_ISLAND, LabelImage, components, corner_places, numbered, uv_areas
 
 _REPEATS = 4  # faces that cover a picture more often than this use it as a repeating pattern
 _CHUNK_ROWS, _CHUNK_TEXELS = 1 << 18, 1 << 20  # worked on at once
 _OVERLAP_SHARE = 0.1  # of the smaller island; less is a rounded border or a sliver
+_MOST_KEYS = 1 << 61
 
 
 @dataclass(frozen=True)
@@ -21,22 +23,38 @@ class Charts:
     """Where the islands of a mesh's UV map lie in its textures, whatever is painted there.
 
     Attributes:
-        face_island: (F,) int64, `NO_ISLAND` without a texture.
+        face_island: (F,) `NO_ISLAND` without a texture.
         labels: one a texture, (h, w) the island that covers each texel; of no size where no face uses the texture.
     """
 
-    face_island: IntArray
+    face_island: LabelImage
     labels: tuple[LabelImage, ...]
 
 
 @dataclass(frozen=True)
+class _Edges:
+    """Edges of the charts, E of them, each from its lower to its upper end.
+
+    Attributes:
+        low, high: (E, 2) texels.
+        ends: (E,) whether the chart is on the left of the edge; else it is on the right.
+        island: (E,)
+    """
+
+    low: FloatArray
+    high: FloatArray
+    ends: BoolArray
+    island: LabelImage
+
+
+@dataclass(frozen=True)
 class _Rows:
-    """The rows of texels that triangles cross, R of them, as stretches of the flat picture.
+    """The rows of texels within the charts, R of them, as stretches of the flat picture.
 
     Attributes:
         begin: (R,) int32, the first texel.
         end: (R,) int32, one past the last texel.
-        island: (R,) int32.
+        island: (R,)
     """
 
     begin: LabelImage
@@ -56,20 +74,27 @@ def uv_charts(mesh: TriangleMesh, sizes: tuple[tuple[int, int], ...]) -> Charts:
     """
     if mesh.face_texture.max(initial=-1) >= len(sizes):
         raise TextureError("a face has a texture that is not there", "assign the picture again")
-    island = uv_islands(mesh)
+    textured = np.flatnonzero(mesh.face_texture >= 0)
+    place = corner_places(mesh, textured)
+    number = numbered(components(place))
+    island = np.full(len(mesh.faces), NO_ISLAND, dtype=np.min_scalar_type(-1 - number.max(initial=0)))
+    island[textured] = number
     labels = []
-    for number, (height, width) in enumerate(sizes):
-        faces = np.flatnonzero(mesh.face_texture == number)
+    for texture, (height, width) in enumerate(sizes):
+        own = np.flatnonzero(mesh.face_texture[textured] == texture)
+        faces = textured[own]
         if not len(faces):
-            labels.append(np.zeros((0, 0), dtype=np.int32))
+            labels.append(np.zeros((0, 0), dtype=island.dtype))
             continue
-        uv = mesh.face_uv if len(faces) == len(mesh.faces) else mesh.face_uv[faces]
-        image, island[faces] = rasterised(uv, island[faces], height, width)
+        face_uv = mesh.face_uv.take(faces, axis=0)
+        image, island[faces] = rasterised(face_uv, island[faces], height, width, place.take(own, axis=0))
         labels.append(image)
     return Charts(island, tuple(labels))
 
 
-def rasterised(face_uv: FloatArray, island: IntArray, height: int, width: int) -> tuple[LabelImage, IntArray]:
+def rasterised(
+    face_uv: FloatArray, island: LabelImage, height: int, width: int, place: IntArray | None = None
+) -> tuple[LabelImage, LabelImage]:
     """Label the texels whose centres lie in the UV triangles; UVs outside 0 to 1 repeat the picture.
 
     Islands that lie on one another (mirrored halves share their texels) become one. A picture that is used as a
@@ -80,55 +105,71 @@ def rasterised(face_uv: FloatArray, island: IntArray, height: int, width: int) -
         island: (T,) of each triangle.
         height: of the picture, texels.
         width: of the picture, texels.
+        place: (T, 3) alike where triangles of an island meet, None if that is not known; it saves time.
 
     Returns:
         (H, W) island of each texel, `NO_ISLAND` where no chart is, and the triangles' islands (T,) after merging.
     """
-    texels = width * height
-    first, last = (
-        row.astype(np.int64)
-        for row in _centres_between(*(height * side for side in _least_and_greatest(face_uv[..., 1])))
-    )
-    count = last - first
-    parts = _parts(count + 1, _CHUNK_ROWS)
-    if count.sum() > _REPEATS * (texels + len(island)) or _area(face_uv, parts) > _REPEATS:
-        return np.full((height, width), island[0], dtype=np.int32), np.full_like(island, island[0])
-    size = np.array([width, height])
-    rows = _joined(
-        [_crossed_rows(face_uv[part] * size, first[part], count[part], island[part], size) for part in parts]
-    )
-    disjoint = _disjoint(rows, texels)
-    if disjoint is not None:
-        return disjoint.reshape(height, width), island
-    labels = np.full(texels, NO_ISLAND, dtype=np.int32)
-    islands = int(island.max()) + 1
-    overlaps = [_fill(labels, rows, part, islands) for part in _parts(rows.end - rows.begin, _CHUNK_TEXELS)]
-    pair, shared = (np.concatenate(column) for column in zip(*overlaps, strict=True))
-    merged = _merged(pair, shared, labels, islands)
-    if merged is not None:
-        labels = np.append(merged, NO_ISLAND)[labels].astype(np.int32)
-        island = merged[island]
-    return labels.reshape(height, width), island
+    texels, size = width * height, np.array([width, height])
+    area = uv_areas(face_uv)
+    edges = _edges(face_uv, np.sign(area), place, island, size)
+    row, end = (_centre_from(ends[:, 1]).astype(np.int64) for ends in (edges.low, edges.high))
+    count = end - row
+    if np.abs(area).sum() > _REPEATS or count.sum() > _REPEATS * (texels + len(island)):
+        return np.full((height, width), island[0]), np.full_like(island, island[0])
+    labels, merged = _painted(_stretches(edges, row, count, size), texels, int(island.max()) + 1)
+    return labels.reshape(height, width), island if merged is None else merged[island]
 
 
-def _least_and_greatest(values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(T,) each of rows (T, 3); column by column, since numpy is slow along short rows."""
-    first, second, third = values.T
-    return np.minimum(np.minimum(first, second), third), np.maximum(np.maximum(first, second), third)
+def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray | None, island: LabelImage, size: IntArray) -> _Edges:
+    """The edges of triangles (T, 3, 2) that bound charts, or fold them, and maybe some more.
+
+    Args:
+        face_uv: (T, 3, 2).
+        side: (T,) 1 for triangles that turn left in the picture, -1 for those that turn right, 0 without an area.
+        place: (T, 3) see `rasterised`.
+        island: (T,).
+        size: width and height, texels.
+    """
+    some = np.broadcast_to(side[:, None] != 0, face_uv.shape[:2])
+    if place is not None:
+        some = some & _on_borders(place, side)
+    face, corner = np.nonzero(some)
+    after = (corner + 1) % 3
+    start, end = face_uv[face, corner] * size, face_uv[face, after] * size
+    if place is not None:  # the same to the last digit on either side, so that borders are closed
+        own = np.empty((int(place.max(initial=0)) + 1, 2))
+        own[place[face, corner]], own[place[face, after]] = start, end
+        start, end = own[place[face, corner]], own[place[face, after]]
+    up, turn = start[:, 1] < end[:, 1], side[face]
+    if place is not None:  # and those left out that another triangle runs along the other way
+        one, other = place[face, corner], place[face, after]
+        pair = np.unique(np.minimum(one, other) * len(own) + np.maximum(one, other), return_inverse=True)[1]
+        single = (np.bincount(pair, np.where(one < other, turn, -turn)) != 0)[pair]
+        start, end, up, face, turn = (values[single] for values in (start, end, up, face, turn))
+    low, high = np.where(up[:, None], start, end), np.where(up[:, None], end, start)
+    return _Edges(low, high, up == (turn > 0), island[face])
 
 
-def _area(face_uv: FloatArray, parts: list[slice]) -> float:
-    """How often triangles (T, 3, 2) cover the picture, all together."""
-    total = 0.0
-    for part in parts:
-        a, b = face_uv[part, 1] - face_uv[part, 0], face_uv[part, 2] - face_uv[part, 0]
-        total += float(np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()) / 2
-    return total
+def _on_borders(place: IntArray, side: FloatArray) -> BoolArray:
+    """(T, 3) the edges, from each corner to the next, both of whose ends are on a chart's border or on a fold of it.
+
+    Around a place within a chart each triangle begins where the one before it has ended: with a random number for
+    each place, end less begin, summed over the triangles, is nothing. A mirrored triangle ends where it begins.
+    """
+    number = np.random.default_rng(0).integers(1 << 44, size=int(place.max(initial=-1)) + 1).astype(np.float64)
+    corners = [np.ascontiguousarray(column) for column in place.T]
+    numbers = [number.take(corner) for corner in corners]
+    total = np.zeros(len(number))  # of whole numbers, so that nothing is rounded
+    for k, corner in enumerate(corners):
+        total += np.bincount(corner, side * (numbers[k - 2] - numbers[k - 1]), len(number))
+    first, second, third = ((total != 0).take(corner) for corner in corners)
+    return np.stack([first & second, second & third, third & first], axis=1)
 
 
-def _centres_between(low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """First and one past the last texel whose centre is in [low, high)."""
-    return np.ceil(low - 0.5), np.ceil(high - 0.5)
+def _centre_from(edge: FloatArray) -> FloatArray:
+    """The first texel whose centre is not before an edge."""
+    return np.asarray(np.ceil(edge - 0.5))
 
 
 def _parts(size: IntArray | LabelImage, most: int) -> list[slice]:
@@ -138,38 +179,51 @@ def _parts(size: IntArray | LabelImage, most: int) -> list[slice]:
     return [slice(first, end) for first, end in pairwise(bounds)]
 
 
-def _crossed_rows(corners: FloatArray, first: IntArray, count: IntArray, island: IntArray, size: IntArray) -> _Rows:
-    """The texels inside each triangle (T, 3, 2): `count` (T,) rows from the row `first` (T,); `size` is (w, h).
+def _stretches(edges: _Edges, first: IntArray, count: IntArray, size: IntArray) -> _Rows:
+    """The texels between E edges that cross `count` rows (E,) from the row `first` (E,); `size` is (w, h).
 
-    Edges run from their lower to their upper end, so that two triangles cut a shared edge at the very same place and
+    Along each row of each island, edges where the chart begins and edges where it ends are counted against each other.
+    Edges run from their lower to their upper end, so that two charts cut a shared edge at the very same place and
     leave no texel out and none twice.
     """
-    following = np.roll(corners, -1, axis=1)
-    upward = (corners[..., 1] < following[..., 1]) | (
-        (corners[..., 1] == following[..., 1]) & (corners[..., 0] <= following[..., 0])
-    )
-    low = np.where(upward[..., None], corners, following)
-    high = np.where(upward[..., None], following, corners)
-    rise = high[..., 1] - low[..., 1]
-    slope = (high[..., 0] - low[..., 0]) / np.where(rise > 0, rise, 1.0)
-    row = np.arange(count.sum()) + np.repeat(first - (np.cumsum(count) - count), count)
-    centre = row + 0.5
-    left, right = np.full(len(row), np.inf), np.full(len(row), -np.inf)
-    for edge in range(3):
-        x, bottom, top, lean = (
-            np.repeat(values[:, edge], count) for values in (low[..., 0], low[..., 1], high[..., 1], slope)
-        )
-        at = x + (centre - bottom) * lean
-        crossed = (centre >= bottom) & (centre < top)
-        left = np.where(crossed, np.minimum(left, at), left)
-        right = np.where(crossed, np.maximum(right, at), right)
-    start, end = _centres_between(left, right)
-    some = end > start
-    owner = np.repeat(island, count)[some]
-    return _wrapped(row[some], start[some].astype(np.int64), end[some].astype(np.int64), owner, size)
+    if not count.any():
+        none = np.zeros(0, dtype=np.int32)
+        return _Rows(none, none, edges.island[:0])
+    bottom, lines = int(first.min()), int((first + count).max() - first.min())
+    left = int(np.minimum(edges.low[:, 0], edges.high[:, 0]).min()) - 2
+    span = 2 * (int(np.maximum(edges.low[:, 0], edges.high[:, 0]).max()) - left + 3)
+    parts = [_crossings(edges, part, first[part], count[part]) for part in _parts(count, _CHUNK_ROWS)]
+    island, row, column = (np.concatenate(values) for values in zip(*parts, strict=True))
+    line, names = island * lines + (row - bottom), None
+    if (int(edges.island.max()) + 1) * lines * span > _MOST_KEYS:  # charts far out in the plane
+        names, line = np.unique(line, return_inverse=True)
+    key = line * span + (column - 2 * left)
+    key.sort()
+    closed = np.flatnonzero(np.cumsum(1 - 2 * (key & 1)) == 0)
+    begin, end = key[np.append(0, closed[:-1] + 1)] >> 1, key[closed] >> 1
+    some = end > begin
+    line, start = np.divmod(begin[some], span // 2)
+    island, row = np.divmod(line if names is None else names[line], lines)
+    start += left
+    owner = island.astype(edges.island.dtype)
+    return _wrapped(row + bottom, start, start + (end - begin)[some], owner, size)
 
 
-def _wrapped(row: IntArray, first: IntArray, last: IntArray, island: IntArray, size: IntArray) -> _Rows:
+def _crossings(edges: _Edges, part: slice, first: IntArray, count: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Island, row and column (Q,) of the first texel on the right of some edges in each row that they cross.
+
+    The column is doubled, and odd where the chart ends there.
+    """
+    low, high = edges.low[part], edges.high[part]
+    rise = high[:, 1] - low[:, 1]
+    slope = (high[:, 0] - low[:, 0]) / np.where(rise > 0, rise, 1.0)
+    edge, row = np.repeat(np.arange(len(count)), count), ranges(first, count)
+    at = low[edge, 0] + (row + 0.5 - low[edge, 1]) * slope[edge]
+    column = 2 * _centre_from(at).astype(np.int64) + edges.ends[part][edge]
+    return edges.island[part][edge].astype(np.int64), row, column
+
+
+def _wrapped(row: IntArray, first: IntArray, last: IntArray, island: LabelImage, size: IntArray) -> _Rows:
     """The same texels within the picture: of rows, from the column `first` to the one before `last` (R,) each."""
     width, height = size
     row, begin = row % height, first % width
@@ -181,7 +235,7 @@ def _wrapped(row: IntArray, first: IntArray, last: IntArray, island: IntArray, s
         parts.append((row, np.zeros_like(row), np.minimum(last, width), island))
     return _joined(
         [
-            _Rows(*(column.astype(np.int32) for column in (row * width + begin, row * width + end, owner)))
+            _Rows((row * width + begin).astype(np.int32), (row * width + end).astype(np.int32), owner)
             for row, begin, end, owner in parts
         ]
     )
@@ -192,65 +246,43 @@ def _joined(parts: list[_Rows]) -> _Rows:
     return _Rows(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(_Rows)))
 
 
-def _disjoint(rows: _Rows, texels: int) -> LabelImage | None:
-    """The flat picture of rows of which none share a texel unless all are of one island; None where some do."""
+def _painted(rows: _Rows, texels: int, islands: int) -> tuple[LabelImage, LabelImage | None]:
+    """The flat picture of rows, and the new numbers of islands that lie on one another, None where none do.
+
+    Where still two share texels, the row that begins first has them.
+    """
     order = np.argsort(rows.begin, kind="stable")
-    begin, end = rows.begin[order], rows.end[order]
-    if len(begin) and rows.island.min() == rows.island.max():
-        begin[1:] = np.maximum(begin[1:], np.maximum.accumulate(end)[:-1])  # each row without what is there already
-        end = np.maximum(begin, end)
-    if (begin[1:] < end[:-1]).any():
-        return None
+    begin, end, island = rows.begin[order], rows.end[order], rows.island[order]
+    reach = np.append(np.zeros(1, np.int32), np.maximum.accumulate(end)[:-1])[: len(end)]  # of the rows before
+    farthest = np.maximum.accumulate(np.where(end > reach, np.arange(len(end)), 0))
+    under = np.flatnonzero(reach > begin)
+    above = farthest[under - 1]
+    shared = np.minimum(end[under], reach[under]) - begin[under]
+    covered = np.bincount(island, end - begin, islands).astype(np.int64)
+    merged = _merged(covered, np.stack([island[under], island[above]], axis=1), shared)
+    begin = np.maximum(begin, reach)
+    end = np.maximum(begin, end)
     # In turns: a gap without an island, a row, a gap, …
     bounds = np.concatenate([[0], np.stack([begin, end], axis=1).ravel(), [texels]])
-    island = np.full(2 * len(begin) + 1, NO_ISLAND, dtype=np.int32)
-    island[1::2] = rows.island[order]
-    return np.repeat(island, np.diff(bounds))
+    turns = np.full(2 * len(begin) + 1, NO_ISLAND, dtype=island.dtype)
+    turns[1::2] = island if merged is None else merged[island]
+    return np.repeat(turns, np.diff(bounds)), merged
 
 
-def _fill(labels: LabelImage, rows: _Rows, part: slice, islands: int) -> tuple[IntArray, IntArray]:
-    """Write some rows into the flat picture.
-
-    Returns:
-        Pairs (n,) of islands that met at a texel, the one times the number of islands plus the other, the lesser one
-        first, and how many texels each pair met at.
-    """
-    begin, count = rows.begin[part].astype(np.int64), np.diff([rows.begin[part], rows.end[part]], axis=0)[0]
-    index = np.arange(count.sum()) + np.repeat(begin - (np.cumsum(count) - count), count)
-    island = np.repeat(rows.island[part], count)
-    before = labels[index]
-    labels[index] = island
-    after = labels[index]
-    met = ((before != NO_ISLAND) & (before != island)) | (after != island)
-    mine, other = island[met], np.where(after[met] != island[met], after[met], before[met])
-    pair = np.minimum(mine, other).astype(np.int64) * islands + np.maximum(mine, other)
-    # Along a row it is the same pair for a while.
-    fresh = np.flatnonzero(np.append(True, pair[1:] != pair[:-1])[: len(pair)])
-    kinds, kind = np.unique(pair[fresh], return_inverse=True)
-    texels = np.bincount(kind, np.diff(np.append(fresh, len(pair))), len(kinds))
-    return kinds, texels.astype(np.int64)
-
-
-def _merged(pair: IntArray, shared: IntArray, labels: LabelImage, islands: int) -> IntArray | None:
+def _merged(covered: IntArray, pair: LabelImage, shared: LabelImage) -> LabelImage | None:
     """New number of each island once those that lie on one another are one, None where none do.
 
     Args:
-        pair: (n,) as `_fill` has them; a pair may occur more than once.
-        shared: (n,) texels of each.
-        labels: the flat picture.
-        islands: how many there are.
+        covered: (I,) texels of each island.
+        pair: (Q, 2) islands of two rows that share texels.
+        shared: (Q,) how many.
     """
-    if not len(pair):
-        return None
-    pair, kind = np.unique(pair, return_inverse=True)
-    shared = np.bincount(kind, shared, len(pair))
-    first, second = pair // islands, pair % islands
-    texels = np.bincount(labels[labels != NO_ISLAND], minlength=islands)
-    hidden = np.bincount(first, shared, islands) + np.bincount(second, shared, islands)
-    size = np.maximum(np.minimum((texels + hidden)[first], (texels + hidden)[second]), 1)
-    stacked: BoolArray = shared > _OVERLAP_SHARE * size
+    unlike = pair[:, 0] != pair[:, 1]
+    low, high = pair[unlike].min(axis=1).astype(np.int64), pair[unlike].max(axis=1)
+    kinds, kind = np.unique(low * len(covered) + high, return_inverse=True)
+    pairs = np.stack(np.divmod(kinds, len(covered)), axis=1)
+    stacked = np.bincount(kind, shared[unlike], len(kinds)) > _OVERLAP_SHARE * covered[pairs].min(axis=1)
     if not stacked.any():
         return None
-    everyone = np.repeat(np.arange(islands)[:, None], 2, axis=1)
-    root = components(np.concatenate([everyone, np.stack([first[stacked], second[stacked]], axis=1)]))
-    return np.asarray(root[:islands], dtype=np.int64)
+    everyone = np.repeat(np.arange(len(covered))[:, None], 2, axis=1)
+    return components(np.concatenate([everyone, pairs[stacked]]))[: len(covered)].astype(pair.dtype)
