@@ -5,9 +5,8 @@ import pytest
 import shapely
 from dualcolor.core.fill.bridges import bridges, without
 from dualcolor.core.fill.hatch import crossings, spans
-from dualcolor.core.fill.paths import fill_paths, hatch_paths, planned
-from dualcolor.core.fill.skins import solid_and_sparse
-from dualcolor.core.fill.walls import simplified, walls_and_fill
+from dualcolor.core.fill.paths import covering, fill_areas, fill_lines, fill_paths, hatch_paths, planned
+from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.moves import Feature
 from fill_shapes import WIDTH, annulus, blobs, lines_of, shapes, square, stack, table_is_sound
@@ -96,11 +95,11 @@ def test_random_regions_are_filled_once_and_never_left(pattern):
     layer = np.arange(24) // 2
     plan = PrintSettings(infill_density=30, infill_pattern=pattern, bottom_solid_layers=1, top_solid_layers=2)
     sliced = shapes([shapely.unary_union(list(islands[layer == k])) for k in range(12)])
-    paths = fill_paths(sliced, islands, layer, plan)
+    outlines = covering(sliced)
+    areas = fill_areas(islands, layer, outlines, plan)
+    paths = fill_lines(areas, outlines, layer, plan)
     table_is_sound(paths)
-    _, fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)
-    outlines = simplified(sliced, 0.05)
-    solid, sparse = solid_and_sparse(outlines, fill, layer, plan)
+    solid, sparse = areas[-2:]
     assert shapely.area(shapely.intersection(solid, sparse)).max() < 1e-6
     over_air = bridges(solid, sparse, outlines, layer, plan)
     solid, sparse = without(solid, over_air), without(sparse, over_air)

@@ -11,7 +11,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from .hatch import crossings, spans
 from .parallel import Shapes, in_chunks
-from .skins import covered, remainder
+from .skins import remainder, uncovered
 from .walls import offset
 
 _SMALLEST_MM2 = 5.0  # a strand or two hold over less by themselves
@@ -84,7 +84,7 @@ def _over_air(solid: Shapes, below: Shapes, island_layer: IntArray, width_mm: fl
     rows = np.flatnonzero((shapely.area(solid) >= _SMALLEST_MM2) & (island_layer > 0))
 
     def chunk(skin: Shapes, layer: IntArray) -> tuple[Shapes]:
-        _, uncarried = covered(skin, layer, below, [-1])
+        uncarried = uncovered(skin, layer, below, [-1])
         bare = np.full(len(skin), shapely.Polygon(), dtype=object)
         some = np.flatnonzero(shapely.area(uncarried) >= _SMALLEST_MM2)
         bare[some] = offset(offset(uncarried[some], -width_mm), width_mm)

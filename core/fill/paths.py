@@ -20,7 +20,8 @@ from .parallel import Shapes, in_chunks
 from .skins import solid_and_sparse
 from .walls import boundary_paths, simplified, wall_paths, walls_and_fill
 
-_SIMPLIFY_MM = 0.05  # of outlines, to see what covers what
+_COVER_MM = 0.05  # outlines differ by this from the true ones, to see what covers what
+_ISLAND_MM = 0.02  # a twentieth of a line: not to be seen behind the outline, and a sixth of the vertices
 _LONGEST_SPARSE_LINK = 3.0  # in spacings, along the wall
 _LONGEST_SOLID_LINK = 4.0  # in line widths, along the lines; beside a boundary that they run along links would pile up
 
@@ -64,12 +65,13 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
         and INFILL lines. Islands are numbered by their place in `islands`.
     """
     outlines = covering(sliced)
+    (islands,) = in_chunks(lambda part: (simplified(part, _ISLAND_MM),), islands)
     return fill_lines(fill_areas(islands, island_layer, outlines, settings), outlines, island_layer, settings)
 
 
 def covering(sliced: Shapes) -> Shapes:
     """(L,) cross-sections as exact as it takes to see what covers what."""
-    return in_chunks(lambda part: (simplified(part, _SIMPLIFY_MM),), sliced)[0]
+    return in_chunks(lambda part: (simplified(part, _COVER_MM),), sliced)[0]
 
 
 def fill_areas(
@@ -78,7 +80,7 @@ def fill_areas(
     """What is filled how in each island, whatever the others are.
 
     Args:
-        islands: (I,) as in `fill_paths`.
+        islands: (I,) as in `fill_paths`, but valid ones, simplified.
         island_layer: (I,) int64.
         outlines: (L,) cross-sections, see `covering`.
         settings: walls, skins and fill.

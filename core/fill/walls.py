@@ -11,7 +11,7 @@ from ..slicing.outlines import starts
 from ..toolpaths.moves import Feature, Paths
 from .parallel import Shapes, in_chunks
 
-_SIMPLIFY_MM = 0.02  # a twentieth of a line: not to be seen behind the outline, and a sixth of the vertices
+_SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls by
 _MITRE_LIMIT = 2.0
 
 
@@ -46,21 +46,21 @@ def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSetting
     """Offset every island inwards, wall by wall.
 
     Args:
-        islands: (I,) regions whose boundary is the centre line of the outermost wall's inside.
+        islands: (I,) valid regions whose boundary is the centre line of the outermost wall's inside.
         width_mm: (I,) of the lines.
         settings: `perimeters` and `infill_overlap` are read.
 
     Returns:
-        The islands, simplified, and then for each straight wall, from the outside in, (I,) regions bounded by its
-        centre line; and (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap.
+        The islands, and then for each straight wall, from the outside in, (I,) regions bounded by its centre line;
+        and (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap.
     """
     overlap = settings.infill_overlap / 100.0 - 0.5
 
     def chunk(shapes: Shapes, width: FloatArray) -> tuple[Shapes, ...]:
-        regions = [simplified(shapes, _SIMPLIFY_MM)]
+        regions = [shapes]
         for _ in range(settings.perimeters):
             regions.append(offset(regions[-1], -width))
-        return (*regions, simplified(offset(regions[-1], overlap * width), _SIMPLIFY_MM))
+        return (*regions, offset(simplified(regions[-1], _SIMPLIFY_MM), overlap * width))
 
     *walls, fill = in_chunks(chunk, islands, width_mm)
     return walls, fill
