@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.fill import parallel
+from dualcolor.core.fill.mitres import moved
 from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.fill.skins import remainder, solid_and_sparse
-from dualcolor.core.fill.walls import simplified, walls_and_fill
+from dualcolor.core.fill.walls import offset, offset_outlines, simplified, walls_and_fill
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.moves import Feature
 from fill_shapes import WIDTH, annulus, blobs, lines_of, shapes, square, stack, table_is_sound
@@ -170,6 +171,29 @@ def test_simplifying_moves_the_boundary_by_the_tolerance_at_most():
     assert shapely.get_num_coordinates(after).sum() < 0.8 * shapely.get_num_coordinates(before).sum()
     for a, b in zip(shapely.boundary(before), shapely.boundary(after), strict=True):
         assert shapely.hausdorff_distance(a, b) < 0.02 + 1e-6
+
+
+def star(points, reach, sharpness):
+    """Points that are thin and corners between them that are sharp."""
+    turn = np.arange(2 * points) * np.pi / points
+    radius = np.where(np.arange(2 * points) % 2, reach * sharpness, reach)
+    return shapely.Polygon(np.stack([radius * np.cos(turn), radius * np.sin(turn)], axis=1))
+
+
+@pytest.mark.parametrize("distance", [-2.5, -0.4, -0.1, 0.1, 0.4, 2.5])
+def test_outlines_are_offset_as_geos_does(distance):
+    split = shapely.MultiPolygon([annulus(30, 10, -20), square(14, 20)])
+    necked = shapely.union_all([square(8, -6), square(8, 6), shapely.box(-6, -0.3, 6, 0.3)])
+    stars = [star(points, reach, sharp) for points in (3, 7, 40) for reach in (0.3, 3, 20) for sharp in (0.2, 0.9)]
+    exact = [square(10), shapely.Polygon(), split, necked, square(0.7), annulus(9, 8.5), *stars]
+    outlines = shapely.force_2d(np.concatenate([shapes(exact), simplified(blobs(60, 3), 0.02)]))
+    outlines[::2] = shapely.reverse(outlines[::2])  # the sense of rings does not matter
+    grown = offset_outlines(outlines, np.full(len(outlines), distance))
+    truth = offset(outlines, distance)
+    assert shapely.is_valid(grown).all()
+    assert shapely.area(shapely.symmetric_difference(grown, truth)).max() < 1e-4
+    if abs(distance) < 1.0:
+        assert moved(outlines[-60:], np.full(60, distance))[1].mean() > 0.85  # few need GEOS
 
 
 def test_same_input_same_paths_in_threads_or_not(monkeypatch):

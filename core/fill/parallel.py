@@ -13,16 +13,20 @@ from numpy.typing import NDArray
 
 Shapes = NDArray[np.object_]
 
-_CHUNKS = 16  # more than threads, as the layers of one part of a model cost more than those of another
+_THREADS = os.cpu_count() or 1
+_CHUNKS_A_THREAD = 3  # as the layers of one part of a model cost more than those of another
 _SHAPES_WORTH_THREADS = 32
 
 
-def in_chunks(function: Callable[..., tuple[Shapes, ...]], *columns: NDArray[Any]) -> tuple[Shapes, ...]:
+def in_chunks(
+    function: Callable[..., tuple[Shapes, ...]], *columns: NDArray[Any], chunks_a_thread: int = _CHUNKS_A_THREAD
+) -> tuple[Shapes, ...]:
     """Apply a function to equal slices of several arrays in threads and put the results together again.
 
     Args:
         function: from slices, (n,) each, to a tuple of (n,) arrays; row i of a result may depend on row i only.
         columns: (N,) arrays of one length.
+        chunks_a_thread: each costs what numpy takes for its calls.
 
     Returns:
         The tuple that `function(*columns)` would have given.
@@ -30,8 +34,8 @@ def in_chunks(function: Callable[..., tuple[Shapes, ...]], *columns: NDArray[Any
     count = len(columns[0])
     if count < _SHAPES_WORTH_THREADS:
         return function(*columns)
-    bounds = np.linspace(0, count, _CHUNKS + 1).astype(int)
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    bounds = np.linspace(0, count, chunks_a_thread * _THREADS + 1).astype(int)
+    with ThreadPoolExecutor(_THREADS) as pool:
         slices = ([column[low:high] for column in columns] for low, high in pairwise(bounds))
         results = list(pool.map(lambda part: function(*part), slices))
     return tuple(np.concatenate(pieces) for pieces in zip(*results, strict=True))

@@ -9,10 +9,10 @@ from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import starts
 from ..toolpaths.moves import Feature, Paths
+from .mitres import MITRE_LIMIT, moved
 from .parallel import Shapes, in_chunks
 
 _SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls by
-_MITRE_LIMIT = 2.0
 
 
 def simplified(shapes: Shapes, tolerance_mm: float) -> Shapes:
@@ -38,8 +38,19 @@ def simplified(shapes: Shapes, tolerance_mm: float) -> Shapes:
 
 def offset(shapes: Shapes, distance_mm: float | FloatArray) -> Shapes:
     """Polygons grown (or, below 0, shrunk) by a distance or (N,) distances, with corners kept sharp; (N,) to (N,)."""
-    grown: Shapes = shapely.buffer(shapes, distance_mm, join_style="mitre", mitre_limit=_MITRE_LIMIT)
+    grown: Shapes = shapely.buffer(shapes, distance_mm, join_style="mitre", mitre_limit=MITRE_LIMIT)
     return grown
+
+
+def offset_outlines(shapes: Shapes, distance_mm: FloatArray) -> Shapes:
+    """The same for many valid polygons of many corners, few of which split or meet, in half the time."""
+
+    def chunk(some: Shapes, distance: FloatArray) -> tuple[Shapes]:
+        grown, sound = moved(some, distance)
+        grown[~sound] = offset(some[~sound], distance[~sound])
+        return (grown,)
+
+    return in_chunks(chunk, shapes, distance_mm, chunks_a_thread=1)[0]
 
 
 def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSettings) -> tuple[list[Shapes], Shapes]:
@@ -56,14 +67,11 @@ def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSetting
     """
     overlap = settings.infill_overlap / 100.0 - 0.5
 
-    def chunk(shapes: Shapes, width: FloatArray) -> tuple[Shapes, ...]:
-        regions = [shapes]
-        for _ in range(settings.perimeters):
-            regions.append(offset(regions[-1], -width))
-        return (*regions, offset(simplified(regions[-1], _SIMPLIFY_MM), overlap * width))
-
-    *walls, fill = in_chunks(chunk, islands, width_mm)
-    return walls, fill
+    walls = [islands]
+    for _ in range(settings.perimeters):
+        walls.append(offset_outlines(walls[-1], -width_mm))
+    (inside,) = in_chunks(lambda part: (simplified(part, _SIMPLIFY_MM),), walls[-1])
+    return walls, offset_outlines(inside, overlap * width_mm)
 
 
 def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:

@@ -1,0 +1,147 @@
+"""Offsets of polygons with sharp corners, all at once: a third of what GEOS takes, where nothing splits or meets.
+
+Every edge moves along its normal and is as long as its neighbours leave it. An edge that would turn around is dropped,
+and its neighbours meet instead, as in a straight skeleton. Where all edges that are left keep their direction and no
+two of them cross, that is the offset; elsewhere GEOS has to find it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..slicing.outlines import following, preceding, starts, sums
+from .parallel import Shapes
+
+MITRE_LIMIT = 2.0  # distances
+_SHARPEST = 2 / MITRE_LIMIT**2 - 1  # cosine of the turn at which a mitre is as long
+_LEAST_SINE = 1e-4  # of the turn between edges that are to meet at a certain place
+_ROUNDS = 6  # of dropping edges; where more would go, the order counts in which they meet
+
+Plane = NDArray[np.complex128]
+
+
+@dataclass
+class _Edges:
+    """The moved edges of all rings, E of them, in the complex plane.
+
+    Attributes:
+        begin: (E,) where each begins.
+        along: (E,) unit direction.
+        length: (E,) mm, before the move.
+        ahead: (E,) int64, the next edge of the ring.
+        behind: (E,) int64, the one before.
+        mitred: (E,) 1 or -1, the sense of a ring's turns that get mitres.
+        left: (E,) bool, not dropped.
+        lost: (E,) bool, edges of rings that cannot be moved so.
+    """
+
+    begin: Plane
+    along: Plane
+    length: FloatArray
+    ahead: IntArray
+    behind: IntArray
+    mitred: FloatArray
+    left: BoolArray
+    lost: BoolArray
+
+    def kept(self, edge: IntArray | slice) -> FloatArray:
+        """(K,) mm, lengths after the move; not above 0 where edges have turned around."""
+        reach = self.begin[self.ahead[edge]] - self.begin[edge]
+        return np.asarray(reach.real * self.along[edge].real + reach.imag * self.along[edge].imag)
+
+
+def moved(shapes: Shapes, distance_mm: FloatArray) -> tuple[Shapes, BoolArray]:
+    """Polygons grown (or, below 0, shrunk), with mitres of up to `MITRE_LIMIT`.
+
+    Args:
+        shapes: (N,) valid Polygon or MultiPolygon, maybe empty.
+        distance_mm: (N,).
+
+    Returns:
+        (N,) Polygon or MultiPolygon; (N,) bool, where these are right.
+    """
+    parts, owner = shapely.get_parts(shapes, return_index=True)
+    rings, part = shapely.get_rings(parts, return_index=True)
+    corners, ring = shapely.get_coordinates(rings, return_index=True)
+    sound = np.ones(len(shapes), dtype=bool)
+    if not len(rings):
+        return np.full(len(shapes), shapely.Polygon(), dtype=object), sound
+    kept = np.append(ring[1:] == ring[:-1], False)
+    points, ring = corners[kept].view(np.complex128).ravel(), ring[kept]
+    hole = np.append(False, part[1:] == part[:-1])
+    edges = _moved_edges(points, ring, hole, distance_mm[owner[part]])
+    _drop_turned(edges)
+    island = owner[part]
+    sound[island[ring[edges.lost]]] = False
+    sound[island[np.bincount(ring, edges.left, len(rings)) < 3]] = False
+    used = edges.left & sound[island[ring]]
+    result = _polygons(edges.begin[used], ring[used], part, owner, len(shapes))
+    sound[sound] = shapely.is_valid(result[sound])
+    return result, sound
+
+
+def _moved_edges(points: Plane, ring: IntArray, hole: BoolArray, distance_mm: FloatArray) -> _Edges:
+    """Arguments by point and by ring."""
+    start = starts(np.bincount(ring, minlength=len(hole)))
+    ahead, behind = following(start), preceding(start)
+    edge = points[ahead] - points
+    length = np.abs(edge)
+    along = edge / np.maximum(length, 1e-300)
+    turn = along * along[behind].conj()
+    clockwise = sums((points.conj() * points[ahead]).imag, start) < 0
+    side = np.where(clockwise == hole, 1.0, -1.0)  # material to the left
+    outwards = (side * distance_mm)[ring]
+    mitred = np.sign(outwards)
+    lost = (length == 0) | ((turn.real < _SHARPEST) & (turn.imag * mitred >= 0)) | (turn.real < -0.99)
+    begin = points - 1j * outwards * (along + along[behind]) / np.maximum(1 + turn.real, 0.01)
+    return _Edges(begin, along, length, ahead, behind, mitred, np.ones(len(points), dtype=bool), lost)
+
+
+def _drop_turned(edges: _Edges) -> None:
+    """Drop the edges that have turned around; of those in a row, what has vanished first goes first."""
+    vanished = np.full(len(edges.begin), np.inf)  # at which share of the distance
+    turned = np.flatnonzero(edges.kept(slice(None)) <= 0)
+    for _ in range(_ROUNDS):
+        turned = turned[~edges.lost[turned]]
+        if not len(turned):
+            return
+        kept = edges.kept(turned)
+        vanished[turned] = edges.length[turned] / (edges.length[turned] - kept)
+        first = vanished[turned] <= vanished[edges.behind[turned]]
+        first &= vanished[turned] < vanished[edges.ahead[turned]]
+        vanished[turned] = np.inf
+        edge = turned[first]
+        behind, ahead = edges.behind[edge], edges.ahead[edge]
+        turn = edges.along[ahead] * edges.along[behind].conj()
+        parallel = np.abs(turn.imag) < _LEAST_SINE
+        before = (edges.along[edge] * edges.along[behind].conj()).imag
+        edges.begin[ahead] -= kept[first] * before / np.where(parallel, 1.0, turn.imag) * edges.along[ahead]
+        edges.lost[edge] = parallel | ((turn.real < _SHARPEST) & (turn.imag * edges.mitred[edge] >= 0))
+        edges.ahead[behind], edges.behind[ahead], edges.left[edge] = ahead, behind, False
+        turned = np.unique(np.concatenate([behind, ahead, turned[~first]]))
+        turned = turned[edges.kept(turned) <= 0]
+    edges.lost[turned] = True
+
+
+def _polygons(points: Plane, ring: IntArray, part: IntArray, owner: IntArray, count: int) -> Shapes:
+    """(count,) shapes of rings, which belong to parts, which belong to shapes; empty where nothing is given."""
+    shapes: Shapes = np.full(count, shapely.Polygon(), dtype=object)
+    if not len(points):
+        return shapes
+    corners = points.view(np.float64).reshape(-1, 2)
+    size = np.bincount(ring)
+    rings = np.flatnonzero(size)
+    used, of_ring = np.unique(part[rings], return_inverse=True)
+    number = np.repeat(np.arange(len(rings)), size[rings])
+    parts = shapely.polygons(shapely.linearrings(corners, indices=number), indices=of_ring)
+    several = np.bincount(owner[used], minlength=count)[owner[used]] > 1
+    shapes[owner[used[~several]]] = parts[~several]
+    if several.any():
+        split, of_part = np.unique(owner[used[several]], return_inverse=True)
+        shapes[split] = shapely.multipolygons(parts[several], indices=of_part)
+    return shapes
