@@ -69,7 +69,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     areas = stages.run_rows("areas", fill_areas, (inside, cut.polygon_layer), outlined, settings)
     fill = run("fill", fill_lines, areas, outlined, cut.polygon_layer, settings)
     inner = run("inner", _joined, fill, holding.paths)
-    within = run("rooms", rooms, inside, cut.polygon_layer, cut.regions)
+    within = run("rooms", rooms, inside, cut.polygon_layer, outlined)
     yield stages.begin(0.75, "toolpaths")
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
     outer = outer_wall_paths(wall.outlines)

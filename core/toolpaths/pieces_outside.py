@@ -9,32 +9,30 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
-from ..slicing.outlines import ranges
+from ..slicing.outlines import ranges, starts
 
 # Pairs of a line and an edge of its room that are looked at together.
-_MOST_PAIRS = 1 << 20
+_MOST_PAIRS = 1 << 17
 
 
 @dataclass(frozen=True)
 class Boundaries:
-    """The boundaries of polygons, with E edges in all.
+    """The boundaries of S polygons: R rings with V vertices in all, each ring's first one repeated at its end.
 
     Attributes:
         rings: (R,) LinearRings.
         room: (R,) int64, ascending, the polygon of each.
-        points: (V, 2) mm, their vertices, each ring's first one repeated at its end.
-        tail: (E,) int64, the vertex that each edge starts at; it ends at the next one.
-        ring: (E,) int64.
-        arc: (E,) mm along its ring where each edge starts.
-        start: (S + 1,) int64, where the edges of each of S polygons start.
+        points: (V, 2) mm, their vertices.
+        arc: (V,) mm along its ring.
+        ring_start: (R + 1,) int64, where the vertices of each ring start.
+        start: (S + 1,) int64, where those of each polygon start.
     """
 
     rings: NDArray[np.object_]
     room: IntArray
     points: FloatArray
-    tail: IntArray
-    ring: IntArray
     arc: FloatArray
+    ring_start: IntArray
     start: IntArray
 
 
@@ -59,22 +57,16 @@ def boundaries(shapes: NDArray[np.object_]) -> Boundaries:
     """The boundaries of (S,) Polygons or MultiPolygons."""
     parts, of_part = shapely.get_parts(shapes, return_index=True)
     rings, part = shapely.get_rings(parts, return_index=True)
-    points, of_point = shapely.get_coordinates(rings, return_index=True)
-    tail = np.flatnonzero(of_point[1:] == of_point[:-1])
-    ring = of_point[tail].astype(np.int64)
-    step = np.hypot(*(points[tail + 1] - points[tail]).T)
-    along = np.cumsum(step) - step
+    points = shapely.get_coordinates(rings)
+    ring_start = starts(shapely.get_num_points(rings))
+    x, y = np.diff(points, axis=0, prepend=0.0).T
+    step = np.sqrt(x * x + y * y)
+    step[ring_start[:-1]] = 0.0
+    arc = np.cumsum(step)
+    arc -= np.repeat(arc[ring_start[:-1]], np.diff(ring_start))
     room = of_part[part].astype(np.int64)
-    first = np.searchsorted(ring, np.arange(len(rings)))
-    return Boundaries(
-        rings=rings,
-        room=room,
-        points=points,
-        tail=tail,
-        ring=ring,
-        arc=along - along[first][ring],
-        start=np.searchsorted(room[ring], np.arange(len(shapes) + 1)),
-    )
+    start = ring_start[np.searchsorted(room, np.arange(len(shapes) + 1))]
+    return Boundaries(rings, room, points, arc, ring_start, start)
 
 
 def pieces_outside(begin: FloatArray, end: FloatArray, walls: Boundaries, room: IntArray) -> Pieces:
@@ -93,7 +85,7 @@ def pieces_outside(begin: FloatArray, end: FloatArray, walls: Boundaries, room: 
         for part in np.split(np.arange(len(begin)), cuts)
         if len(part)
     ]
-    line, share, edge, arc = (np.concatenate(column) for column in zip(*found, strict=True))
+    line, share, crossed, arc = (np.concatenate(column) for column in zip(*found, strict=True))
     # Ahead of a place outside lies an even number of crossings, as a ray leaves a polygon as often as it enters it.
     outside_first = np.bincount(line, minlength=len(begin)) % 2 == 0
     within = np.flatnonzero(share < 1)
@@ -103,7 +95,7 @@ def pieces_outside(begin: FloatArray, end: FloatArray, walls: Boundaries, room: 
     line = np.concatenate([firsts, line[within], lasts])
     share = np.concatenate([np.zeros(len(firsts)), share[within], np.ones(len(lasts))])
     none = np.full(tips, -1)
-    ring = np.concatenate([none[: len(firsts)], walls.ring[edge[within]], none[len(firsts) :]])
+    ring = np.concatenate([none[: len(firsts)], crossed[within], none[len(firsts) :]])
     arc = np.concatenate([np.zeros(len(firsts)), arc[within], np.zeros(len(lasts))])
     # The line's own ends stand at 0 and 1, where no crossing does: outside goes from an odd place to an even one.
     order = np.lexsort((share, line))
@@ -113,18 +105,25 @@ def pieces_outside(begin: FloatArray, end: FloatArray, walls: Boundaries, room: 
 def _crossings(
     number: IntArray, begin: FloatArray, end: FloatArray, walls: Boundaries, room: IntArray
 ) -> tuple[IntArray, FloatArray, IntArray, FloatArray]:
-    """The line, the share of it, the edge and the arc at each crossing of rays from some begins through their ends."""
+    """The line, the share of it, the ring and the arc at each crossing of rays from some begins through their ends."""
     count = walls.start[room + 1] - walls.start[room]
-    edge, line = ranges(walls.start[room], count), np.repeat(np.arange(len(room)), count)
-    origin, along = begin.take(line, axis=0), (end - begin).take(line, axis=0)
-    tail, head = (walls.points.take(walls.tail[edge] + step, axis=0) - origin for step in (0, 1))
-    left_tail, left_head = (along[:, 0] * each[:, 1] - along[:, 1] * each[:, 0] for each in (tail, head))
-    # A vertex on the ray counts for one of its two edges or for both or none.
-    cut = np.flatnonzero((left_tail > 0) != (left_head > 0))
-    of_edge = left_tail[cut] / (left_tail[cut] - left_head[cut])
-    place = tail[cut] + of_edge[:, None] * (head[cut] - tail[cut])
-    along, line, edge = along[cut], line[cut], edge[cut]
+    vertex = ranges(walls.start[room], count)
+    (x, y), along = walls.points.T, end - begin
+    left = np.repeat(along[:, 0], count) * y.take(vertex)
+    left -= np.repeat(along[:, 1], count) * x.take(vertex)
+    left -= np.repeat(along[:, 0] * begin[:, 1] - along[:, 1] * begin[:, 0], count)
+    # A vertex on the ray counts for one of its two edges or for both or none. From a ring's last one no edge leaves.
+    cut = np.flatnonzero((left[1:] > 0) != (left[:-1] > 0))
+    is_last = np.zeros(len(walls.points), dtype=bool)
+    is_last[walls.ring_start[1:] - 1] = True
+    cut = cut[~is_last[vertex[cut]]]
+    of_edge = left[cut] / (left[cut] - left[cut + 1])
+    vertex, line = vertex[cut], np.searchsorted(np.cumsum(count), cut, side="right")
+    along, origin = along[line], begin[line]
+    tail, head = walls.points[vertex] - origin, walls.points[vertex + 1] - origin
+    place = tail + of_edge[:, None] * (head - tail)
     share = np.einsum("ij,ij->i", place, along) / np.maximum(np.einsum("ij,ij->i", along, along), 1e-300)
     ahead = np.flatnonzero(share > 0)
-    length = np.hypot(*(head[cut] - tail[cut])[ahead].T)
-    return number[line[ahead]], share[ahead], edge[ahead], walls.arc[edge[ahead]] + of_edge[ahead] * length
+    vertex, line = vertex[ahead], line[ahead]
+    arc = walls.arc[vertex] + of_edge[ahead] * (walls.arc[vertex + 1] - walls.arc[vertex])
+    return number[line], share[ahead], np.searchsorted(walls.ring_start, vertex, side="right") - 1, arc

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
 from ..slicing.outlines import ranges, starts
@@ -36,13 +35,11 @@ def on_rings(
     return ring, arc, places
 
 
-def walks_along(
-    rings: NDArray[np.object_], ring: IntArray, arc: FloatArray, ends: FloatArray
-) -> tuple[FloatArray, IntArray]:
+def walks_along(walls: Boundaries, ring: IntArray, arc: FloatArray, ends: FloatArray) -> tuple[FloatArray, IntArray]:
     """The shorter ways along rings from places on them to other ones.
 
     Args:
-        rings: (R,) LinearRings.
+        walls: with the rings.
         ring: (P,) the ring of each way; a way between different rings means nothing.
         arc: (P, 2) mm along it where the way begins and ends.
         ends: (P, 2, 2) mm, the places there.
@@ -51,12 +48,12 @@ def walks_along(
         (N, 2) mm, the places of all ways one after the other; (P + 1,) where each way starts.
     """
     low, high = arc.T
-    length = shapely.length(rings)
+    used, ring = np.unique(ring, return_inverse=True)
+    vertices, arc, base, length = _unrolled(walls, used)
     ahead = (high - low) % length[ring]
     backwards = ahead > length[ring] / 2
     low = np.where(backwards, high, low)
     way = np.where(backwards, length[ring] - ahead, ahead)
-    vertices, arc, base = _unrolled(rings, length)
     first = np.searchsorted(arc, base[ring] + low, side="right")
     count = np.maximum(np.searchsorted(arc, base[ring] + low + way, side="left") - first, 0)
     start = starts(count + 2)
@@ -81,22 +78,15 @@ def _nearest(walls: Boundaries, points: FloatArray, room: IntArray) -> tuple[Int
     return best, np.asarray(shapely.line_locate_point(walls.rings[best], shapely.points(points)))
 
 
-def _unrolled(rings: NDArray[np.object_], length: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Each ring twice in a row, so that no way passes its seam.
+def _unrolled(walls: Boundaries, ring: IntArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Each of (R,) rings twice in a row, so that no way passes its seam.
 
     Returns:
-        (N, 2) mm, the vertices; (N,) mm along all rings, ascending; (R,) where each ring begins.
+        (N, 2) mm, the vertices; (N,) mm along all rings, ascending; (R,) where each ring begins; (R,) mm, its length.
     """
-    points, ring = shapely.get_coordinates(rings, return_index=True)
-    base = np.concatenate([[0.0], np.cumsum(2 * length + 1)[:-1]])
-    first = np.searchsorted(ring, np.arange(len(rings)))
-    step = np.concatenate([[0.0], np.hypot(*np.diff(points, axis=0).T)])
-    step[first] = 0.0
-    along = np.cumsum(step)
-    along -= along[first][ring]
-    count = np.diff(np.append(first, len(ring)))
-    once = ranges(first, count)
-    twice = np.concatenate([once, once])
-    arc = np.concatenate([along, along + length[ring]]) + np.concatenate([base[ring], base[ring]])
-    order = np.argsort(arc, kind="stable")
-    return points[twice[order]], arc[order], base
+    first, count = walls.ring_start[ring], walls.ring_start[ring + 1] - walls.ring_start[ring]
+    length = walls.arc[first + count - 1]
+    base = np.cumsum(2 * length + 1) - 2 * length - 1
+    vertex = ranges(np.repeat(first, 2), np.repeat(count, 2))
+    begin = np.column_stack([base, base + length]).ravel()
+    return walls.points.take(vertex, axis=0), walls.arc[vertex] + np.repeat(begin, np.repeat(count, 2)), base, length

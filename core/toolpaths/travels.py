@@ -59,7 +59,7 @@ def rooms(inside: NDArray[np.object_], layer: IntArray, regions: NDArray[np.obje
     Args:
         inside: (I,) what lies inside the line of the outer wall.
         layer: (I,) of each.
-        regions: (L,) cross-section of each layer.
+        regions: (L,) cross-section of each layer, see `fill.paths.covering`.
     """
     following = np.append(regions, np.array([shapely.Polygon()], dtype=object))
     return Rooms(inside, following[layer + 1])
@@ -179,7 +179,7 @@ def _around(
     walls = boundaries(inner)
     outside = pieces_outside(tips[:, 0], tips[:, 1], walls, room)
     ring, arc, ends = on_rings(outside, tips, walls, room)
-    walks, start = walks_along(walls.rings, ring[:, 0], arc, ends)
+    walks, start = walks_along(walls, ring[:, 0], arc, ends)
     # All along a line: its begin, for each piece the walk instead, its end.
     piece = np.repeat(np.arange(len(outside.line)), np.diff(start))
     number = np.arange(len(tips))
