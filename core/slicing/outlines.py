@@ -48,15 +48,14 @@ class Outlines:
     @property
     def ends(self) -> FloatArray:
         """(N, 2) mm, where each segment ends."""
-        return self.points.take(self.following, axis=0)
+        return ahead(self.points, self.start)
 
     @property
     def signed_area(self) -> FloatArray:
         """(M,) mm², positive for counter-clockwise loops."""
         # Relative to a point of the loop itself, so that a far-away loop loses no digits.
-        near = self.points - np.repeat(self.points[self.start[:-1]], self.count, axis=0)
-        far = near.take(self.following, axis=0)
-        return sums(near[:, 0] * far[:, 1] - near[:, 1] * far[:, 0], self.start) / 2
+        x, y = (column - np.repeat(column[self.start[:-1]], self.count) for column in self.points.T)
+        return sums(x * ahead(y, self.start) - y * ahead(x, self.start), self.start) / 2
 
     def selected(self, keep: BoolArray) -> Outlines:
         """Only the loops that `keep` (M,) marks."""
@@ -64,12 +63,11 @@ class Outlines:
             return self
         return self._of(np.flatnonzero(np.repeat(keep, self.count)), self.count[keep], self.layer[keep])
 
-    def without_points(self, drop: BoolArray) -> Outlines:
-        """All but the points, and the segments from them, that `drop` (N,) marks; a loop may end up without any."""
-        if not drop.any():
+    def reduced(self, keep: BoolArray, point: BoolArray, count: IntArray) -> Outlines:
+        """Of the loops that `keep` (M,) marks the points that `point` (N,) marks, `count` (M,) of each loop."""
+        if keep.all() and point.all():
             return self
-        lost = sums(drop.astype(np.float64), self.start).astype(np.int64)
-        return self._of(np.flatnonzero(~drop), self.count - lost, self.layer)
+        return self._of(np.flatnonzero(np.repeat(keep, self.count) & point), count[keep], self.layer[keep])
 
     def _of(self, point: IntArray, count: IntArray, layer: IntArray) -> Outlines:
         """Loops of some of the points, `count` (M,) each."""
@@ -129,6 +127,15 @@ def following(start: IntArray) -> IntArray:
     filled = start[1:] > start[:-1]
     index[start[1:][filled] - 1] = start[:-1][filled]
     return index
+
+
+def ahead(values: FloatArray, start: IntArray) -> FloatArray:
+    """(N, …) the value of the next member in a cyclic group, as `values[following(start)]` but in half the time."""
+    moved = np.empty_like(values)
+    moved[:-1] = values[1:]
+    filled = start[1:] > start[:-1]
+    moved[start[1:][filled] - 1] = values[start[:-1][filled]]
+    return moved
 
 
 def preceding(start: IntArray) -> IntArray:

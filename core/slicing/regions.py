@@ -2,122 +2,153 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from .outlines import Outlines
+from .outlines import Outlines, ranges, starts
 
 
-def polygons_of(outlines: Outlines) -> NDArray[np.object_]:
-    """(M,) shapely polygon inside each loop."""
-    closing = np.insert(outlines.points, outlines.start[1:], outlines.points[outlines.start[:-1]], axis=0)
-    ring = np.repeat(np.arange(len(outlines.layer)), outlines.count + 1)
-    rings: NDArray[np.object_] = shapely.polygons(shapely.linearrings(closing, indices=ring))
-    return rings
+@dataclass(frozen=True)
+class Regions:
+    """Cross-sections of a solid.
+
+    Attributes:
+        outlines: M loops, counter-clockwise around material, clockwise around holes.
+        polygons: (I,) connected regions as shapely polygons.
+        polygon_layer: (I,) int64, not decreasing.
+        loop_polygon: (M,) int64, the region that each loop bounds, -1 for none.
+    """
+
+    outlines: Outlines
+    polygons: NDArray[np.object_]
+    polygon_layer: IntArray
+    loop_polygon: IntArray
+
+    def with_layers_from(self, other: Regions, layers: BoolArray) -> Regions:
+        """These, but those of `other`, which has no more, in the layers that `layers` (L,) marks."""
+        stay = ~layers[self.outlines.layer]
+        layer = np.concatenate([self.polygon_layer, other.polygon_layer])
+        kept = np.flatnonzero(np.append(~layers[self.polygon_layer], np.ones(len(other.polygons), dtype=bool)))
+        kept = kept[np.argsort(layer[kept], kind="stable")]
+        place = np.full(len(layer) + 1, -1)  # the last one for loops that bound nothing
+        place[kept] = np.arange(len(kept))
+        others = np.where(other.loop_polygon < 0, -1, other.loop_polygon + len(self.polygons))
+        loop_polygon = place[np.concatenate([self.loop_polygon[stay], others])]
+        loop_layer = np.concatenate([self.outlines.layer[stay], other.outlines.layer])
+        return Regions(
+            Outlines.joined([self.outlines.selected(stay), other.outlines]),
+            np.concatenate([self.polygons, other.polygons])[kept],
+            layer[kept],
+            loop_polygon[np.argsort(loop_layer, kind="stable")],
+        )
 
 
-def containers(outlines: Outlines, rings: NDArray[np.object_]) -> tuple[IntArray, IntArray]:
+def regions_of(outlines: Outlines) -> Regions:
+    """The regions that loops bound by the non-zero rule.
+
+    Args:
+        outlines: loops that do not cross each other; where they do, the regions are not valid.
+    """
+    kept, is_outer, parent = boundary_loops(outlines)
+    shells = np.flatnonzero(is_outer)
+    region = np.full(len(is_outer), -1, dtype=np.int64)
+    region[shells] = np.arange(len(shells))
+    holes = np.flatnonzero(~is_outer & (parent >= 0))
+    region[holes] = region[parent[holes]]
+    # The rings of each polygon, its shell first.
+    rings = np.concatenate([shells, holes])
+    rings = rings[np.argsort(region[rings], kind="stable")]
+    count = np.bincount(region[rings], minlength=len(shells))
+    return Regions(kept, polygons_of(kept, rings, starts(count)), kept.layer[shells], region)
+
+
+def polygons_of(outlines: Outlines, rings: IntArray, start: IntArray) -> NDArray[np.object_]:
+    """(K,) shapely polygons.
+
+    Args:
+        outlines: M loops.
+        rings: (R,) loops, the shell of each polygon followed by its holes.
+        start: (K + 1,) where each polygon's rings start.
+    """
+    if not len(rings):
+        return np.zeros(0, dtype=object)
+    count = outlines.count[rings] + 1
+    ring_start = starts(count)
+    point = ranges(outlines.start[rings], count)
+    point[ring_start[1:] - 1] = outlines.start[rings]
+    kind = shapely.GeometryType.POLYGON
+    polygons: NDArray[np.object_] = shapely.from_ragged_array(
+        kind, outlines.points.take(point, axis=0), (ring_start, start)
+    )
+    return polygons
+
+
+def containers(outlines: Outlines) -> tuple[IntArray, IntArray]:
     """Pairs (inner, outer) of loops of one layer of which the second surrounds the first point of the first.
 
     Args:
         outlines: M loops that do not cross each other.
-        rings: (M,) their polygons.
     """
-    box = shapely.bounds(rings)
+    box = _boxes(outlines)
     inner, outer = _same_layer_pairs(outlines.layer)
     a, b = box[inner], box[outer]
     within = (a[:, :2] >= b[:, :2]).all(axis=1) & (a[:, 2:] <= b[:, 2:]).all(axis=1) & (inner != outer)
     inner, outer = inner[within], outer[within]
-    shapely.prepare(rings)
+    around, number = np.unique(outer, return_inverse=True)
+    polygons = polygons_of(outlines, around, np.arange(len(around) + 1))
+    shapely.prepare(polygons)
     probe = outlines.points[outlines.start[:-1]][inner]
-    inside = shapely.contains_xy(rings[outer], probe[:, 0], probe[:, 1])
+    inside = shapely.contains_xy(polygons[number], probe[:, 0], probe[:, 1])
     return inner[inside], outer[inside]
+
+
+def _boxes(outlines: Outlines) -> FloatArray:
+    """(M, 4) least x and y, greatest x and y of each loop; none may be empty."""
+    columns = np.ascontiguousarray(outlines.points.T)
+    extremes = (np.minimum, np.maximum)
+    return np.stack([of.reduceat(column, outlines.start[:-1]) for of in extremes for column in columns], axis=1)
 
 
 def _same_layer_pairs(layer: IntArray) -> tuple[IntArray, IntArray]:
     """All ordered pairs of loops in the same layer; `layer` (M,) is sorted."""
     first = np.searchsorted(layer, layer, side="left")
     count = np.searchsorted(layer, layer, side="right") - first
-    inner = np.repeat(np.arange(len(layer)), count)
-    offset = np.arange(len(inner)) - np.repeat(np.cumsum(count) - count, count)
-    return inner, first[inner] + offset
+    return np.repeat(np.arange(len(layer)), count), ranges(first, count)
 
 
-def boundary_loops(outlines: Outlines) -> tuple[Outlines, IntArray, IntArray]:
+def boundary_loops(outlines: Outlines) -> tuple[Outlines, BoolArray, IntArray]:
     """Keep the loops that part material from air by the non-zero rule, and turn them counter-clockwise around it.
 
     Args:
         outlines: loops that do not cross each other.
 
     Returns:
-        The loops that stay; (M,) how many of these surround each; (M,) the one directly around it, -1 for none.
+        The loops that stay; (M,) which have material inside; (M,) the loop directly around each, -1 for none.
     """
     if len(outlines.layer) == 0:
-        none = np.zeros(0, dtype=np.int64)
-        return outlines, none, none
+        return outlines, np.zeros(0, dtype=bool), np.zeros(0, dtype=np.int64)
     area = outlines.signed_area
     turn = np.sign(area).astype(np.int64)
-    inner, outer = containers(outlines, polygons_of(outlines))
+    inner, outer = containers(outlines)
     winding_outside = np.bincount(inner, weights=turn[outer], minlength=len(turn)).astype(np.int64)
     solid_inside, solid_outside = winding_outside + turn != 0, winding_outside != 0
     keep = solid_inside != solid_outside
     oriented = outlines.reversed(keep & (solid_inside == (turn < 0)))
-    kept = oriented.selected(keep)
     number = np.cumsum(keep) - 1
     pair = keep[inner] & keep[outer]
-    return kept, *_nesting(number[inner[pair]], number[outer[pair]], np.abs(area[keep]))
+    parent = _parents(number[inner[pair]], number[outer[pair]], np.abs(area[keep]))
+    return oriented.selected(keep), solid_inside[keep], parent
 
 
-def _nesting(inner: IntArray, outer: IntArray, area: FloatArray) -> tuple[IntArray, IntArray]:
-    depth = np.bincount(inner, minlength=len(area)).astype(np.int64)
+def _parents(inner: IntArray, outer: IntArray, area: FloatArray) -> IntArray:
     parent = np.full(len(area), -1, dtype=np.int64)
     by_area = np.argsort(-area[outer], kind="stable")
     parent[inner[by_area]] = outer[by_area]  # the smallest one around a loop is written last
-    return depth, parent
-
-
-def region_polygons(outlines: Outlines, parent: IntArray) -> tuple[NDArray[np.object_], IntArray, IntArray]:
-    """Polygons with holes from correctly turned loops.
-
-    Args:
-        outlines: M loops, counter-clockwise around material, clockwise around holes.
-        parent: (M,) the loop directly around each one, -1 for none.
-
-    Returns:
-        (I,) polygons, (I,) the layer of each, (M,) the polygon that each loop bounds.
-    """
-    is_outer = outlines.signed_area > 0
-    shells = np.flatnonzero(is_outer)
-    holes = np.flatnonzero(~is_outer & (parent >= 0))
-    region = np.full(len(is_outer), -1, dtype=np.int64)
-    region[shells] = np.arange(len(shells))
-    region[holes] = region[parent[holes]]
-    rings = shapely.get_exterior_ring(polygons_of(outlines))
-    by_region = holes[np.argsort(region[holes], kind="stable")]
-    polygons = np.empty(len(shells), dtype=object)
-    polygons[:] = shapely.polygons(rings[shells])
-    with_holes = np.unique(region[by_region])
-    if len(with_holes):
-        compact = np.searchsorted(with_holes, region[by_region])
-        polygons[with_holes] = _with_holes(rings[shells[with_holes]], rings[by_region], compact)
-    return polygons, outlines.layer[shells], region
-
-
-def _with_holes(shells: NDArray[np.object_], holes: NDArray[np.object_], of_shell: IntArray) -> NDArray[np.object_]:
-    parts = np.split(holes, np.flatnonzero(np.diff(of_shell)) + 1)
-    return np.array(
-        [shapely.Polygon(shell, list(part)) for shell, part in zip(shells, parts, strict=True)], dtype=object
-    )
-
-
-def crossing_layers(polygons: NDArray[np.object_], polygon_layer: IntArray, layers: int) -> BoolArray:
-    """(L,) which layers have a loop that crosses itself or another one."""
-    crossing = np.zeros(layers, dtype=bool)
-    whole = layer_regions(polygons, polygon_layer, layers)
-    crossing[:] = ~shapely.is_valid(whole)
-    return crossing
+    return parent
 
 
 def layer_regions(polygons: NDArray[np.object_], polygon_layer: IntArray, layers: int) -> NDArray[np.object_]:
@@ -132,9 +163,8 @@ def layer_regions(polygons: NDArray[np.object_], polygon_layer: IntArray, layers
 
 def solid_regions(outlines: Outlines, layers: int) -> NDArray[np.object_]:
     """(L,) cross-sections of a solid by the non-zero rule; where its loops cross, what GEOS makes of them."""
-    kept, _, parent = boundary_loops(outlines)
-    polygons, polygon_layer, _ = region_polygons(kept, parent)
-    regions = layer_regions(polygons, polygon_layer, layers)
+    solid = regions_of(outlines)
+    regions = layer_regions(solid.polygons, solid.polygon_layer, layers)
     broken = ~shapely.is_valid(regions)
     regions[broken] = shapely.make_valid(regions[broken])
     return regions

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from ..errors import MeshError
@@ -17,7 +18,7 @@ from .open_layers import check_open
 from .outlines import Outlines, sums
 from .overlaps import overlaps
 from .planes import Layers, layer_stack
-from .regions import boundary_loops, crossing_layers, layer_regions, region_polygons
+from .regions import layer_regions, regions_of
 from .union import united
 
 # Loops smaller than this (mm²) come from vertices that touch a plane.
@@ -66,21 +67,22 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     # A strand as round as it gets is as long around as its width says.
     shortest = np.pi * settings.extrusion_width
     whole, specks = cleaned(raw, shortest)
-    outlines, parent = _nested(whole)
-    polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
-    crossing = crossing_layers(polygons, polygon_layer, len(stack))
+    solid = regions_of(whole)
+    regions = layer_regions(solid.polygons, solid.polygon_layer, len(stack))
+    crossing = ~shapely.is_valid(regions)
     if crossing.any():
         # Nesting says nothing about loops that cross: go back to the loops as they were cut.
-        outlines, parent = _nested(_united_where(whole, crossing, shortest))
-        polygons, polygon_layer, loop_polygon = region_polygons(outlines, parent)
-    if len(polygons) == 0 and len(open_layers) == 0:
+        mended = regions_of(_united_where(whole, crossing, shortest))
+        solid = solid.with_layers_from(mended, crossing)
+        regions[crossing] = layer_regions(mended.polygons, mended.polygon_layer, len(stack))[crossing]
+    if len(solid.polygons) == 0 and len(open_layers) == 0:
         raise _nothing(mesh, specks, shortest, settings)
-    check_open(open_layers, polygon_layer, stack)
-    regions = layer_regions(polygons, polygon_layer, len(stack))
+    check_open(open_layers, solid.polygon_layer, stack)
     shared, united_layers = overlaps(whole, mesh, len(stack)), int(crossing.sum())
     return Slices(
-        stack, outlines, polygons, polygon_layer, loop_polygon, regions, united_layers, specks, shared, open_layers
-    )
+        stack, solid.outlines, solid.polygons, solid.polygon_layer, solid.loop_polygon, regions, united_layers, specks,
+        shared, open_layers,
+    )  # fmt: skip
 
 
 def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: PrintSettings) -> MeshError:
@@ -93,15 +95,10 @@ def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: Pr
     return MeshError("the mesh has no inside to print", hint or volume)
 
 
-def _nested(outlines: Outlines) -> tuple[Outlines, IntArray]:
-    kept, _, parent = boundary_loops(outlines)
-    return kept, parent
-
-
 def _united_where(outlines: Outlines, crossing: NDArray[np.bool_], shortest: float) -> Outlines:
+    """The loops of the layers that `crossing` (L,) marks, united."""
     bounds = np.searchsorted(outlines.layer, np.flatnonzero(crossing)[:, None] + [0, 1]).tolist()
-    parts = in_threads(lambda loops: cleaned(united(outlines.between(*loops)), shortest)[0], bounds)
-    return Outlines.joined([outlines.selected(~crossing[outlines.layer]), *parts])
+    return Outlines.joined(in_threads(lambda loops: cleaned(united(outlines.between(*loops)), shortest)[0], bounds))
 
 
 def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
@@ -111,9 +108,9 @@ def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
         The outlines, and the loops with an area that were too short.
     """
     along = outlines.ends - outlines.points
-    shorter = outlines.without_points(np.hypot(along[:, 0], along[:, 1]) <= SHORTEST_SEGMENT)
-    shorter = shorter.selected(shorter.count >= 3)
-    shorter = shorter.selected(np.abs(shorter.signed_area) > SMALLEST_AREA)
-    around = shorter.ends - shorter.points
-    long_enough = sums(np.hypot(around[:, 0], around[:, 1]), shorter.start) >= shortest
-    return shorter.selected(long_enough), shorter.selected(~long_enough)
+    length = np.hypot(along[:, 0], along[:, 1])
+    point = length > SHORTEST_SEGMENT
+    count = outlines.count if point.all() else sums(point.astype(np.float64), outlines.start).astype(np.int64)
+    real = (count >= 3) & (np.abs(outlines.signed_area) > SMALLEST_AREA)
+    long_enough = sums(length, outlines.start) >= shortest
+    return outlines.reduced(real & long_enough, point, count), outlines.reduced(real & ~long_enough, point, count)
