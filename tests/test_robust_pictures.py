@@ -72,10 +72,10 @@ def test_bands_of_a_large_picture_make_the_same_levels(monkeypatch):
     random = np.random.default_rng(5)
     size = (37, 51)
     tone, alpha = (random.random(size).astype(np.float32).ravel() for _ in range(2))
-    base = pyramid.Level(*size, tone, alpha, None, random.integers(0, 4, tone.size).astype(np.int32))
+    base = pyramid._level(*size, tone, alpha, None, random.integers(0, 4, tone.size).astype(np.int8))
     whole = pyramid._halved_to_one(base)
     monkeypatch.setattr(pyramid, "_BAND_TEXELS", 200)
     for one, other in zip(whole, pyramid._halved_to_one(base), strict=True):
         assert (one.height, one.width) == (other.height, other.width)
-        for name in ("paint", "alpha", "coverage", "island"):
+        for name in ("paint", "alpha", "coverage", "island", "uniform"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

@@ -55,7 +55,8 @@ def test_a_constant_texture_is_constant_at_every_level(size):
     assert (levels[-1].height, levels[-1].width) == (1, 1) and len(levels) == 1 + int(np.ceil(np.log2(max(size))))
     for level in levels:
         assert (level.island != NO_ISLAND).all()
-        assert level.paint == pytest.approx(0.3, abs=1e-6) and level.alpha is None
+        covered = 1.0 if level.coverage is None else level.coverage
+        assert level.paint == pytest.approx(0.3 * covered, abs=1e-6) and level.alpha is None
     for kind in BOTH:
         for footprint in FOOTPRINTS:
             tone = look_up(mesh, [image(np.full(size, 0.3))], *points_on(mesh, [0, 1]), footprint, kind)
@@ -68,8 +69,8 @@ def test_the_mean_is_the_same_at_every_level(size):
     alpha = np.random.default_rng(2).random(size)
     levels = build_pyramids(plates((0, 0, 1, 1)), (image(tone, alpha),), 0.5, "trilinear").pictures[0].levels
     for level in levels[1:]:
-        assert np.average(level.paint, weights=level.coverage) == pytest.approx((tone * alpha).mean(), rel=1e-5)
-        assert np.average(level.alpha, weights=level.coverage) == pytest.approx(alpha.mean(), rel=1e-5)
+        assert level.paint.sum() / level.coverage.sum() == pytest.approx((tone * alpha).mean(), rel=1e-5)
+        assert level.alpha.sum() / level.coverage.sum() == pytest.approx(alpha.mean(), rel=1e-5)
 
 
 def test_the_mean_inside_a_chart_is_kept_too():
@@ -79,7 +80,7 @@ def test_the_mean_inside_a_chart_is_kept_too():
     inside = levels[0].island != NO_ISLAND
     assert 0 < inside.sum() < inside.size
     for level in levels[1:]:
-        assert np.average(level.paint, weights=level.coverage) == pytest.approx(tone.ravel()[inside].mean(), rel=1e-5)
+        assert level.paint.sum() / level.coverage.sum() == pytest.approx(tone.ravel()[inside].mean(), rel=1e-5)
 
 
 @pytest.mark.parametrize("kind", BOTH)

@@ -53,9 +53,8 @@ def face_contrast(mesh: TriangleMesh, pyramids: TexturePyramids, settings: Print
         pyramids: its textures, filtered as the print filters them.
         settings: background_tone is used.
     """
-    normal = mesh.area_normals
-    length = np.linalg.norm(normal, axis=1)
-    normal /= np.maximum(length, 1e-12)[:, None]
+    length = np.linalg.norm(mesh.area_normals, axis=1)
+    normal = mesh.area_normals / np.maximum(length, 1e-12)[:, None]
     area = length / 2
     step = max(_STEP_MM, float(np.sqrt(2 * area.sum() / _MOST_POINTS)))
     parts = [

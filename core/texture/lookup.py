@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, Float32Array, FloatArray, IntArray
 from .islands import LabelImage
 from .pyramid import Picture, TexturePyramids
 
@@ -33,69 +35,117 @@ def tone_at(
     tone = np.where(np.isfinite(vertex_tone), vertex_tone, background_tone)
     if not any(picture.levels for picture in pyramids.pictures):
         return tone
-    texture, islands = pyramids.face_texture[face], pyramids.face_island.astype(np.int32)
+    texture = pyramids.face_texture.take(face)
     for number, picture in enumerate(pyramids.pictures):
         points = np.flatnonzero(texture == number)
-        if not len(points):
-            continue
-        for start in range(0, len(points), _CHUNK_POINTS):
-            part = points[start : start + _CHUNK_POINTS]
-            at, faces = uv[part], face[part]
-            if pyramids.texture_filter == "lanczos":
-                paint, alpha = _nearest(picture, at)
-            else:
-                paint, alpha = _trilinear(picture, at, islands[faces], pyramids.face_level[faces])
-            tone[part] = paint + (1.0 - alpha) * background_tone
-    return np.clip(tone, 0.0, 1.0)
+        level = pyramids.face_level.take(face.take(points))
+        finer = level.astype(np.int8)
+        order = np.argsort(finer, kind="stable")  # neighbours stay neighbours
+        ends = np.cumsum(np.bincount(finer))
+        for finest, (begin, end) in enumerate(pairwise([0, *ends.tolist()])):
+            for start in range(begin, end, _CHUNK_POINTS):
+                chosen = order[start : min(start + _CHUNK_POINTS, end)]
+                part = points.take(chosen)
+                x, y = _places(picture, uv[part])
+                if pyramids.texture_filter == "lanczos":
+                    paint, alpha = _nearest(picture, x, y)
+                else:
+                    island = pyramids.face_island.take(face.take(part))
+                    paint, alpha = _trilinear(picture, finest, x, y, island, level.take(chosen) - finest)
+                tone[part] = paint if alpha is None else paint + (1.0 - alpha) * background_tone
+    return np.clip(tone, 0.0, 1.0, out=tone)
 
 
-def _nearest(picture: Picture, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _places(picture: Picture, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Column and row (n,) in texels of the picture: wrapped around where it repeats, else brought to its border."""
+    uv = uv - np.floor(uv) if picture.repeats else np.clip(uv, 0.0, 1.0)
+    return uv[:, 0] * picture.width, uv[:, 1] * picture.height
+
+
+def _nearest(picture: Picture, x: FloatArray, y: FloatArray) -> tuple[Float32Array, Float32Array | None]:
     """Paint and alpha (n,) of the texel that each point lies in."""
     level = picture.levels[0]
-    place = _within(picture, uv) * [level.width, level.height]
-    column = np.clip(np.floor(place[:, 0]), 0, level.width - 1).astype(np.int64)
-    row = np.clip(np.floor(place[:, 1]), 0, level.height - 1).astype(np.int64)
+    column = np.minimum(x * (level.width / picture.width), level.width - 1).astype(np.int64)
+    row = np.minimum(y * (level.height / picture.height), level.height - 1).astype(np.int64)
     index = row * level.width + column
-    alpha = np.ones(len(index)) if level.alpha is None else level.alpha[index].astype(np.float64)
-    return level.paint[index].astype(np.float64), alpha
+    return level.paint.take(index), None if level.alpha is None else level.alpha.take(index)
 
 
 def _trilinear(
-    picture: Picture, uv: FloatArray, island: LabelImage, level: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Paint and alpha (n,), between the two levels nearest to each point's own.
-
-    From the coarsest level down: points for which a level is the finer one of the two are asked there, with those
-    whose island the level above did not know; a coarser level that does not know the island is left out.
-    """
-    x, y = (_within(picture, uv) * [picture.width, picture.height]).T.copy()
-    finer = np.floor(level).astype(np.int64)
-    part = level - finer
-    paint, alpha = np.zeros(len(uv)), np.zeros(len(uv))
-    coarse_paint, coarse_alpha = np.zeros(len(uv)), np.zeros(len(uv))
-    lost = np.zeros(len(uv), dtype=bool)
-    for number in range(min(int(finer.max()) + 1, len(picture.levels) - 1), -1, -1):
-        above = np.flatnonzero((finer == number - 1) & (part > 0))
-        if len(above):
-            answer = _bilinear(picture, number, x[above], y[above], island[above])
-            coarse_paint[above], coarse_alpha[above], known = answer
-            part[above[~known]] = 0.0
-        here = np.flatnonzero((finer == number) | lost)
-        if len(here):
-            paint[here], alpha[here], known = _bilinear(picture, number, x[here], y[here], island[here])
-            lost[here] = ~known
-    part[lost] = 0.0
-    paint += part * (coarse_paint - paint)
-    alpha += part * (coarse_alpha - alpha)
-    rest = np.flatnonzero(lost)
+    picture: Picture, finer: int, x: FloatArray, y: FloatArray, island: LabelImage, share: FloatArray
+) -> tuple[Float32Array, Float32Array | None]:
+    """Paint and alpha (n,) between the level `finer` and the next one, of which each point has a share (n,)."""
+    paint, alpha, known = _within_island(picture, finer, x, y, island)
+    if finer + 1 < len(picture.levels):
+        coarse_paint, coarse_alpha, coarse_known = _within_island(picture, finer + 1, x, y, island)
+        known &= coarse_known
+        part = share.astype(np.float32)
+        paint += part * (coarse_paint - paint)
+        if alpha is not None and coarse_alpha is not None:
+            alpha += part * (coarse_alpha - alpha)
+    rest = np.flatnonzero(~known)
     if len(rest):
-        paint[rest], alpha[rest], _ = _bilinear(picture, 0, x[rest], y[rest], None)
+        answer = _near_borders(picture, finer, x[rest], y[rest], island[rest], share[rest])
+        paint[rest] = answer[0]
+        if alpha is not None:
+            alpha[rest] = answer[1]
     return paint, alpha
 
 
-def _within(picture: Picture, uv: FloatArray) -> FloatArray:
-    """UVs inside the picture: wrapped around where it repeats."""
-    return uv - np.floor(uv) if picture.repeats else uv
+def _within_island(
+    picture: Picture, number: int, x: FloatArray, y: FloatArray, island: LabelImage
+) -> tuple[Float32Array, Float32Array | None, BoolArray]:
+    """Paint and alpha (n,) from the four texels around each point, and where (n,) the island covers all four of them.
+
+    Elsewhere the answers say nothing.
+    """
+    level, scale = picture.levels[number], 0.5**number
+    x, y = x * scale - 0.5, y * scale - 0.5
+    left, below = np.floor(x), np.floor(y)
+    right_share, upper_share = (x - left).astype(np.float32), (y - below).astype(np.float32)
+    corner = (below * level.width + left).astype(np.int64)
+    # What lies before the first texel wraps to one at the end of a row, and those are never uniform.
+    known = level.uniform.take(corner, mode="wrap") & (level.island.take(corner, mode="wrap") == island)
+    answers = []
+    for values in (level.paint, level.alpha):
+        if values is not None:
+            lower, upper = (_between(values, corner + step, right_share) for step in (0, level.width))
+            answers.append(lower + upper_share * (upper - lower))
+    return answers[0], answers[1] if len(answers) > 1 else None, known
+
+
+def _between(values: Float32Array, left: IntArray, share: Float32Array) -> Float32Array:
+    """(n,) from each texel to the next one in its row; the last ones of a picture stand for what is beyond it."""
+    first, second = values.take(left, mode="clip"), values.take(left + 1, mode="clip")
+    second -= first
+    second *= share
+    second += first
+    return second
+
+
+def _near_borders(
+    picture: Picture, finer: int, x: FloatArray, y: FloatArray, island: LabelImage, share: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Paint and alpha (n,) as `_trilinear`, where other islands are near.
+
+    Points whose island the finer level does not know ask the next finer one, and so on, and at last the picture,
+    whatever island it shows there; a coarser level that does not know the island is left out.
+    """
+    paint, alpha = np.zeros(len(x)), np.zeros(len(x))
+    lost = np.arange(len(x))
+    for number in range(finer, -1, -1):
+        paint[lost], alpha[lost], known = _bilinear(picture, number, x[lost], y[lost], island[lost])
+        lost = lost[~known]
+        if not len(lost):
+            break
+    paint[lost], alpha[lost], _ = _bilinear(picture, 0, x[lost], y[lost], None)
+    if finer + 1 < len(picture.levels):
+        coarse_paint, coarse_alpha, known = _bilinear(picture, finer + 1, x, y, island)
+        known[lost] = False
+        share = np.where(known, share, 0.0)
+        paint += share * (coarse_paint - paint)
+        alpha += share * (coarse_alpha - alpha)
+    return paint, alpha
 
 
 def _bilinear(
@@ -118,12 +168,10 @@ def _bilinear(
             share = across * along
             if island is not None:
                 share *= level.island[index] == island
-                if level.coverage is not None:
-                    share *= level.coverage[index]
             paint += share * level.paint[index]
             if level.alpha is not None:
                 alpha += share * level.alpha[index]
-            weight += share
+            weight += share if level.coverage is None else share * level.coverage[index]
     known = weight > _NO_WEIGHT
     divisor = np.where(known, weight, 1.0)
     return paint / divisor, known * 1.0 if level.alpha is None else alpha / divisor, known

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model import Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
-from .islands import NO_ISLAND, LabelImage
+from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
+from .islands import NO_ISLAND, LabelImage, uv_areas
 from .labels import Charts, uv_charts
 from .lanczos import reduced, texel_spacing
 
@@ -19,10 +19,11 @@ class Level:
     Attributes:
         height: h, rows.
         width: w, columns.
-        paint: tone times alpha, mean over the part of the texel that its island covers.
+        paint: tone times alpha, mean over the texel with 0 where its island does not cover it.
         alpha: likewise, or None where the whole picture is opaque.
         coverage: share of the texel that its island covers, or None where that is 1 for every texel with an island.
-        island: (h · w,) int32 the island that covers most of the texel, `NO_ISLAND` for none.
+        island: (h · w,) the island that covers most of the texel, `NO_ISLAND` for none.
+        uniform: (h · w,) whether the texel, its right neighbour and the two above are wholly of one island, or of none.
     """
 
     height: int
@@ -31,6 +32,7 @@ class Level:
     alpha: Float32Array | None
     coverage: Float32Array | None
     island: LabelImage
+    uniform: BoolArray
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,8 @@ class Picture:
     repeats: bool
 
 
-_BAND_TEXELS, _CHUNK_FACES = 1 << 22, 1 << 17  # worked on at once
+_PARTLY = NO_ISLAND - 1
+_BAND_TEXELS = 1 << 17  # halved at once: what is worked on stays in the cache
 
 
 @dataclass(frozen=True)
@@ -61,14 +64,14 @@ class TexturePyramids:
         texture_filter: "trilinear" or "lanczos".
         pictures: one a texture.
         face_texture: (F,) int64, -1 for none.
-        face_island: (F,) int64.
+        face_island: (F,).
         face_level: (F,) float64, level (0 the finest) whose texels are a footprint wide on the face.
     """
 
     texture_filter: str
     pictures: tuple[Picture, ...]
     face_texture: IntArray
-    face_island: IntArray
+    face_island: LabelImage
     face_level: FloatArray
 
 
@@ -118,13 +121,36 @@ def sizes_of(textures: tuple[ToneImage, ...]) -> tuple[tuple[int, int], ...]:
 
 
 def _finest(image: ToneImage, labels: LabelImage) -> Level:
-    """The picture itself, alpha premultiplied."""
-    tone = np.ascontiguousarray(image.tone).ravel()
-    height, width = labels.shape
+    """The picture itself, alpha premultiplied; what is outside the islands is left there, nothing reads it."""
+    tone, (height, width) = np.ascontiguousarray(image.tone).ravel(), labels.shape
     if image.alpha.min() == 1:
-        return Level(height, width, tone, None, None, labels.ravel())
+        return _level(height, width, tone, None, None, labels.ravel())
     alpha = np.ascontiguousarray(image.alpha).ravel()
-    return Level(height, width, tone * alpha, alpha, None, labels.ravel())
+    return _level(height, width, tone * alpha, alpha, None, labels.ravel())
+
+
+def _level(
+    height: int,
+    width: int,
+    paint: Float32Array,
+    alpha: Float32Array | None,
+    coverage: Float32Array | None,
+    island: LabelImage,
+) -> Level:
+    """A level with what is `uniform` in it."""
+    kind = island
+    if coverage is not None:
+        kind = island.copy()
+        kind[(coverage > 0) & (coverage < 1)] = _PARTLY
+    kind = kind.reshape(height, width)
+    uniform = np.zeros((height, width), dtype=bool)
+    inner = uniform[:-1, :-1]
+    np.equal(kind[:-1, :-1], kind[1:, 1:], out=inner)
+    inner &= kind[:-1, :-1] == kind[1:, :-1]
+    inner &= kind[:-1, :-1] == kind[:-1, 1:]
+    if coverage is not None:
+        inner &= kind[:-1, :-1] != _PARTLY
+    return Level(height, width, paint, alpha, coverage, island, uniform.ravel())
 
 
 def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_mm: float) -> Level:
@@ -139,22 +165,17 @@ def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_m
         (across / footprint_mm, up / footprint_mm),
     )
     height, width = paint.shape
-    return Level(height, width, paint.ravel(), alpha.ravel(), None, np.zeros(paint.size, dtype=np.int32))
+    none = np.zeros(0, dtype=bool)
+    return Level(height, width, paint.ravel(), alpha.ravel(), None, none.astype(np.int8), none)
 
 
 def _levels(mesh: TriangleMesh, faces: IntArray, size: tuple[int, int], footprint_mm: float, count: int) -> FloatArray:
     """Level (T,) of some faces, 0 to count - 1, from their areas in mm² and in texels; 0 where either is nothing."""
-    level = np.zeros(len(faces))
-    for begin in range(0, len(faces), _CHUNK_FACES):
-        part = faces[begin : begin + _CHUNK_FACES]
-        corners, texels = mesh.vertices[mesh.faces[part]], mesh.face_uv[part] * size
-        a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        area_mm2 = np.linalg.norm(np.cross(a, b), axis=1)
-        p, q = texels[:, 1] - texels[:, 0], texels[:, 2] - texels[:, 0]
-        area_texels = np.abs(p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0])
-        sound = (area_mm2 > 0) & (area_texels > 0)
-        ratio = np.where(sound, area_texels, 1.0) / np.where(sound, area_mm2, 1.0)
-        level[begin : begin + len(part)] = np.where(sound, np.log2(footprint_mm) + 0.5 * np.log2(ratio), 0.0)
+    area_mm2 = np.sqrt(np.square(mesh.area_normals.take(faces, axis=0)) @ np.ones(3)) / 2
+    area_texels = np.abs(uv_areas(mesh.face_uv.take(faces, axis=0))) * (size[0] * size[1])
+    sound = (area_mm2 > 0) & (area_texels > 0)
+    ratio = np.divide(area_texels, area_mm2, out=np.ones(len(faces)), where=sound)
+    level = np.where(sound, np.log2(footprint_mm) + 0.5 * np.log2(ratio), 0.0)
     return np.clip(level, 0.0, count - 1.0)
 
 
@@ -167,62 +188,54 @@ def _halved_to_one(base: Level) -> tuple[Level, ...]:
 
 
 def _halved(level: Level) -> Level:
-    """The next coarser level, made some million texels at a time to hold little more than it takes."""
-    rows = max(2, _BAND_TEXELS // level.width // 2 * 2)
-    if rows >= level.height:
-        return _halved_band(level)
-    bands = [_halved_band(_band(level, row, min(row + rows, level.height))) for row in range(0, level.height, rows)]
-    paint, island = (np.concatenate(parts) for parts in zip(*((b.paint, b.island) for b in bands), strict=True))
-    coverage = np.concatenate([band.coverage for band in bands if band.coverage is not None])
-    alpha = None if level.alpha is None else np.concatenate([band.alpha for band in bands if band.alpha is not None])
-    return Level(sum(band.height for band in bands), bands[0].width, paint, alpha, coverage, island)
-
-
-def _band(level: Level, first: int, end: int) -> Level:
-    """Some rows of a level."""
-    part = slice(first * level.width, end * level.width)
-    coverage, alpha = (None if each is None else each[part] for each in (level.coverage, level.alpha))
-    return Level(end - first, level.width, level.paint[part], alpha, coverage, level.island[part])
-
-
-def _halved_band(level: Level) -> Level:
     """The next coarser level; odd sizes are filled up with texels that nothing covers, so no texel is stretched.
 
     A texel belongs to the island that covers most of it, and only that island's texels are averaged in it, each
     weighted by its coverage.
     """
     height, width = (level.height + 1) // 2, (level.width + 1) // 2
-    covered = (level.island != NO_ISLAND).astype(np.float32) if level.coverage is None else level.coverage
-    island, weight = (
-        _children(part, level.height, level.width, filler) for part, filler in ((level.island, NO_ISLAND), (covered, 0))
-    )
-    values = [_children(part, level.height, level.width, 0) for part in (level.paint, level.alpha) if part is not None]
-    total = weight.sum(axis=0)
-    scale = np.divide(1.0, total, out=np.zeros_like(total), where=total > 0)
-    means = [_weighted(weight, each) * scale for each in values]
-    owner = island[0].copy()
-    mixed = np.flatnonzero((island[1:] != island[0]).any(axis=0))
-    labels, shares = island[:, mixed], weight[:, mixed]
-    votes = np.stack([np.where(labels == mine, shares, 0).sum(axis=0) for mine in labels])
-    owner[mixed] = np.take_along_axis(labels, votes.argmax(axis=0)[None], axis=0)[0]
-    shares = np.where(labels == owner[mixed], shares, np.float32(0))
-    total[mixed] = shares.sum(axis=0)  # more than 0: mixed texels have an island, and nothing but islands has votes
-    for mean, each in zip(means, values, strict=True):
-        mean[mixed] = _weighted(shares, each[:, mixed]) / total[mixed]
-    return Level(height, width, means[0], means[1] if len(means) > 1 else None, total * np.float32(0.25), owner)
+    even = (slice(None, None, 2), slice(None, None, 2))
+    owner = level.island.reshape(level.height, level.width)[even].ravel()
+    mixed = np.flatnonzero(~level.uniform.reshape(level.height, level.width)[even])
+    child, label, share = _children(level, mixed, width)
+    votes = np.stack([np.where(label == mine, share, 0).sum(axis=0) for mine in label])
+    owner[mixed] = np.take_along_axis(label, votes.argmax(axis=0)[None], axis=0)[0]
+    own = (label == owner[mixed]) & (share > 0)
+    coverage = (owner != NO_ISLAND).astype(np.float32)
+    coverage[mixed] = np.where(own, share, 0).sum(axis=0) / 4
+    values = []
+    for value in (level.paint, level.alpha):
+        if value is not None:
+            mean = _mean_of_fours(value.reshape(level.height, level.width)).ravel()
+            if level.coverage is None:
+                mean *= coverage
+            mean[mixed] = np.where(own, value.take(child), 0).sum(axis=0) / 4
+            values.append(mean)
+    return _level(height, width, values[0], values[1] if len(values) > 1 else None, coverage, owner)
 
 
-def _children(flat: np.ndarray, height: int, width: int, filler: int) -> np.ndarray:  # type: ignore[type-arg]
-    """(4, h · w) the four texels that each coarser texel is made of."""
-    image = flat.reshape(height, width)
-    if height % 2 or width % 2:
-        image = np.pad(image, ((0, height % 2), (0, width % 2)), constant_values=filler)
-    return np.stack([image[row::2, column::2].ravel() for row in (0, 1) for column in (0, 1)])
+def _children(level: Level, texel: IntArray, width: int) -> tuple[IntArray, LabelImage, Float32Array]:
+    """(4, n) the texels of a level that some texels of the next one are made of, their islands and coverage.
+
+    Beyond the picture there is no island.
+    """
+    row, column = np.divmod(texel, width)
+    rows, columns = 2 * row + [[0], [0], [1], [1]], 2 * column + [[0], [1], [0], [1]]
+    within = (rows < level.height) & (columns < level.width)
+    child = np.where(within, rows * level.width + columns, 0)
+    label = np.where(within, level.island.take(child), NO_ISLAND).astype(level.island.dtype)
+    share = np.ones(child.shape, np.float32) if level.coverage is None else level.coverage.take(child)
+    return child, label, np.where(label == NO_ISLAND, np.float32(0), share)
 
 
-def _weighted(weight: Float32Array, value: Float32Array) -> Float32Array:
-    """Sum over the four children of weight times value."""
-    total: Float32Array = weight[0] * value[0]
-    for child in (1, 2, 3):
-        total += weight[child] * value[child]
-    return total
+def _mean_of_fours(image: Float32Array) -> Float32Array:
+    """Means of 2 by 2 texels; 0 where some are beyond the picture."""
+    height, width = image.shape
+    mean = np.zeros(((height + 1) // 2, (width + 1) // 2), dtype=np.float32)
+    inner, image = mean[: height // 2, : width // 2], image[: height // 2 * 2, : width // 2 * 2]
+    rows = max(1, _BAND_TEXELS // width)
+    for row in range(0, len(inner), rows):
+        both = image[2 * row : 2 * (row + rows) : 2] + image[2 * row + 1 : 2 * (row + rows) : 2]
+        both *= np.float32(0.25)
+        np.add(both[:, ::2], both[:, 1::2], out=inner[row : row + rows])
+    return mean
