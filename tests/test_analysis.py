@@ -184,6 +184,17 @@ def test_share_of_contrast_on_a_slanted_plate_is_exact(degrees, degraded, gone):
     assert bool(slope_warnings(report)) == bool(gone)
 
 
+def test_of_many_small_faces_some_stand_for_all():
+    board, settings = np.random.default_rng(3).random((10, 10)), PrintSettings()
+    for turn in (about_x(10.0), about_x(25.0), about_x(35.0)):
+        _, coarse = contrast_of(plate(board, turn), settings)
+        _, fine = contrast_of(plate(np.kron(board, np.ones((10, 10))), turn), settings)
+        assert np.count_nonzero(fine.contrast) < len(fine.area) / 3 and len(fine.area) > 20_000
+        assert fine.area.sum() == pytest.approx(coarse.area.sum())
+        assert fine.mean == pytest.approx(coarse.mean, rel=0.01)
+        assert slope_report(fine) == pytest.approx(slope_report(coarse), rel=0.01)
+
+
 def test_nothing_painted_is_no_contrast():
     _, paint = contrast_of(box((0, 0, 0), (10, 10, 10)))
     assert paint.mean == 0 and slope_report(paint)["contrast_gone"] == 0.0

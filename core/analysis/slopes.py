@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import FloatArray, IntArray, TriangleMesh
-from ..pattern.slant import face_slant_deg, slant_deg_of
+from ..pattern.slant import face_slant_deg
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids
@@ -18,10 +18,9 @@ DEGRADED_DEG, GONE_DEG = 30.0, 20.0
 
 WARNED_SHARE = 0.25
 _STEP_MM = 1.0
-_MOST_POINTS = 200_000
+_MOST_POINTS, _LEAST_POINTS = 50_000, 4_000
 _LEAST_CONTRAST = 1e-6
 _ROUNDING_DEG = 1e-6
-_CHUNK_FACES = 1 << 16  # worked on at once
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,8 @@ class FaceContrast:
 
     Attributes:
         area: (F,) mm².
-        contrast: (F,) mm², the distance of the tone from the mean tone of the whole surface, integrated over the face.
+        contrast: (F,) mm², the distance of the tone from the mean tone of the whole surface, integrated over the face;
+            of many faces smaller than a square millimetre some stand for their neighbours too, which have none then.
         normal: (F, 3) unit vectors outwards, zero on faces without an area.
     """
 
@@ -53,30 +53,35 @@ def face_contrast(mesh: TriangleMesh, pyramids: TexturePyramids, settings: Print
         pyramids: its textures, filtered as the print filters them.
         settings: background_tone is used.
     """
-    length = np.linalg.norm(mesh.area_normals, axis=1)
-    normal = mesh.area_normals / np.maximum(length, 1e-12)[:, None]
-    area = length / 2
+    doubled = np.sqrt(np.einsum("fi,fi->f", mesh.area_normals, mesh.area_normals))
+    normal = mesh.area_normals / np.maximum(doubled, 1e-12)[:, None]
+    area = doubled / 2
     step = max(_STEP_MM, float(np.sqrt(2 * area.sum() / _MOST_POINTS)))
-    parts = [
-        _paint(mesh, slice(first, first + _CHUNK_FACES), step, pyramids, settings)
-        for first in range(0, len(area), _CHUNK_FACES)
-    ]
-    face, weight, tone = (np.concatenate(column) for column in zip(*parts, strict=True))
-    weight *= area[face]
+    face, share, weight = _places(mesh, area, step)
+    uv = np.einsum("qc,qcd->qd", share, mesh.face_uv.take(face, axis=0))
+    vertex_tone = np.einsum("qc,qc->q", share, mesh.face_tone.take(face, axis=0))
+    tone = tone_at(pyramids, face, uv, vertex_tone, settings.background_tone)
     mean = float((weight * tone).sum() / max(weight.sum(), 1e-12))
     contrast = np.asarray(np.bincount(face, weight * np.abs(tone - mean), len(area)), dtype=np.float64)
     return FaceContrast(area, contrast, normal)
 
 
-def _paint(
-    mesh: TriangleMesh, part: slice, step: float, pyramids: TexturePyramids, settings: PrintSettings
-) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Face, share of the face's area and tone (Q,) each at places all over some of the faces."""
-    on = points_on_faces(mesh.vertices[mesh.faces[part]], step)
-    face = on.face + part.start
-    uv = np.einsum("qc,qcd->qd", on.share, mesh.face_uv[face])
-    vertex_tone = np.einsum("qc,qc->q", on.share, mesh.face_tone[face])
-    return face, on.weight, tone_at(pyramids, face, uv, vertex_tone, settings.background_tone)
+def _places(mesh: TriangleMesh, area: FloatArray, step: float) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Places all over the surface, no farther apart than about `step`: the face, shares of its corners, and mm².
+
+    Where there are many faces that are smaller than a step is wide, one stands for several of them.
+    """
+    large, small = np.flatnonzero(area > step**2 / 2), np.flatnonzero(area <= step**2 / 2)
+    weight = area[small]
+    if len(small) > _LEAST_POINTS:
+        each = min(step**2 / 2, float(weight.sum()) / _LEAST_POINTS)
+        reached = np.cumsum(weight) // max(each, 1e-12)
+        weight = np.diff(reached, prepend=0) * each
+        small, weight = small[weight > 0], weight[weight > 0]
+    on = points_on_faces(mesh.vertices[mesh.faces[large]], step)
+    face = large[on.face]
+    share = np.concatenate([on.share, np.full((len(small), 3), 1 / 3)])
+    return np.append(face, small), share, np.append(on.weight * area[face], weight)
 
 
 def from_flat_deg(mesh: TriangleMesh) -> FloatArray:
@@ -86,9 +91,9 @@ def from_flat_deg(mesh: TriangleMesh) -> FloatArray:
 
 def slope_report(paint: FaceContrast) -> dict[str, float]:
     """Shares of the painted contrast and of the surface on flat slopes, for the report."""
-    angle = 90.0 - np.abs(slant_deg_of(paint.normal))
-    gone = angle < GONE_DEG - _ROUNDING_DEG
-    degraded = ~gone & (angle < DEGRADED_DEG - _ROUNDING_DEG)
+    lean = np.abs(paint.normal[:, 2])
+    gone = lean > np.cos(np.radians(GONE_DEG - _ROUNDING_DEG))
+    degraded = ~gone & (lean > np.cos(np.radians(DEGRADED_DEG - _ROUNDING_DEG)))
     painted = paint.mean > 0
     contrast, area = max(float(paint.contrast.sum()), 1e-12), max(float(paint.area.sum()), 1e-12)
     return {

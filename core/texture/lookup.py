@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, IntArray
@@ -36,30 +34,30 @@ def tone_at(
     if not any(picture.levels for picture in pyramids.pictures):
         return tone
     texture = pyramids.face_texture.take(face)
+    u, v = (np.ascontiguousarray(column) for column in uv.T)
     for number, picture in enumerate(pyramids.pictures):
         points = np.flatnonzero(texture == number)
         level = pyramids.face_level.take(face.take(points))
         finer = level.astype(np.int8)
         order = np.argsort(finer, kind="stable")  # neighbours stay neighbours
-        ends = np.cumsum(np.bincount(finer))
-        for finest, (begin, end) in enumerate(pairwise([0, *ends.tolist()])):
-            for start in range(begin, end, _CHUNK_POINTS):
-                chosen = order[start : min(start + _CHUNK_POINTS, end)]
-                part = points.take(chosen)
-                x, y = _places(picture, uv[part])
-                if pyramids.texture_filter == "lanczos":
-                    paint, alpha = _nearest(picture, x, y)
-                else:
-                    island = pyramids.face_island.take(face.take(part))
-                    paint, alpha = _trilinear(picture, finest, x, y, island, level.take(chosen) - finest)
-                tone[part] = paint if alpha is None else paint + (1.0 - alpha) * background_tone
+        end = 0
+        for finest in range(int(finer.max(initial=-1)) + 1):
+            begin, end = end, end + np.count_nonzero(finer == finest)
+            chosen = order[begin:end]
+            part = points.take(chosen)
+            x, y = _within(picture, u.take(part)) * picture.width, _within(picture, v.take(part)) * picture.height
+            if pyramids.texture_filter == "lanczos":
+                paint, alpha = _nearest(picture, x, y)
+            else:
+                island = pyramids.face_island.take(face.take(part))
+                paint, alpha = _trilinear(picture, finest, x, y, island, level.take(chosen) - finest)
+            tone[part] = paint if alpha is None else paint + (1.0 - alpha) * background_tone
     return np.clip(tone, 0.0, 1.0, out=tone)
 
 
-def _places(picture: Picture, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Column and row (n,) in texels of the picture: wrapped around where it repeats, else brought to its border."""
-    uv = uv - np.floor(uv) if picture.repeats else np.clip(uv, 0.0, 1.0)
-    return uv[:, 0] * picture.width, uv[:, 1] * picture.height
+def _within(picture: Picture, place: FloatArray) -> FloatArray:
+    """U or V (n,) inside the picture: wrapped around where it repeats, else brought to its border."""
+    return np.asarray(place - np.floor(place) if picture.repeats else np.clip(place, 0.0, 1.0))
 
 
 def _nearest(picture: Picture, x: FloatArray, y: FloatArray) -> tuple[Float32Array, Float32Array | None]:
@@ -75,29 +73,33 @@ def _trilinear(
     picture: Picture, finer: int, x: FloatArray, y: FloatArray, island: LabelImage, share: FloatArray
 ) -> tuple[Float32Array, Float32Array | None]:
     """Paint and alpha (n,) between the level `finer` and the next one, of which each point has a share (n,)."""
-    paint, alpha, known = _within_island(picture, finer, x, y, island)
-    if finer + 1 < len(picture.levels):
-        coarse_paint, coarse_alpha, coarse_known = _within_island(picture, finer + 1, x, y, island)
-        known &= coarse_known
-        part = share.astype(np.float32)
-        paint += part * (coarse_paint - paint)
-        if alpha is not None and coarse_alpha is not None:
-            alpha += part * (coarse_alpha - alpha)
+    paint, known = np.empty(len(x), dtype=np.float32), np.empty(len(x), dtype=bool)
+    alpha = None if picture.levels[0].alpha is None else np.empty_like(paint)
+    for start in range(0, len(x), _CHUNK_POINTS):
+        part = slice(start, start + _CHUNK_POINTS)
+        inputs = x[part], y[part], island[part]
+        values, known[part] = _within_island(picture, finer, *inputs)
+        if finer + 1 < len(picture.levels):
+            coarse, coarse_known = _within_island(picture, finer + 1, *inputs)
+            known[part] &= coarse_known
+            values = [_mixed(one, other, share[part]) for one, other in zip(values, coarse, strict=True)]
+        paint[part] = values[0]
+        if alpha is not None:
+            alpha[part] = values[1]
     rest = np.flatnonzero(~known)
     if len(rest):
-        answer = _near_borders(picture, finer, x[rest], y[rest], island[rest], share[rest])
-        paint[rest] = answer[0]
+        paint[rest], rest_alpha = _near_borders(picture, finer, x[rest], y[rest], island[rest], share[rest])
         if alpha is not None:
-            alpha[rest] = answer[1]
+            alpha[rest] = rest_alpha
     return paint, alpha
 
 
 def _within_island(
     picture: Picture, number: int, x: FloatArray, y: FloatArray, island: LabelImage
-) -> tuple[Float32Array, Float32Array | None, BoolArray]:
-    """Paint and alpha (n,) from the four texels around each point, and where (n,) the island covers all four of them.
+) -> tuple[list[Float32Array], BoolArray]:
+    """Paint and, if there is any, alpha (n,) from the four texels around each point.
 
-    Elsewhere the answers say nothing.
+    And whether (n,) the island covers all four of them; elsewhere the answers say nothing.
     """
     level, scale = picture.levels[number], 0.5**number
     x, y = x * scale - 0.5, y * scale - 0.5
@@ -109,14 +111,15 @@ def _within_island(
     answers = []
     for values in (level.paint, level.alpha):
         if values is not None:
-            lower, upper = (_between(values, corner + step, right_share) for step in (0, level.width))
-            answers.append(lower + upper_share * (upper - lower))
-    return answers[0], answers[1] if len(answers) > 1 else None, known
+            texels = (values.take(corner + step, mode="clip") for step in (0, 1, level.width, level.width + 1))
+            lower, lower_right, upper, upper_right = texels
+            lower, upper = _mixed(lower, lower_right, right_share), _mixed(upper, upper_right, right_share)
+            answers.append(_mixed(lower, upper, upper_share))
+    return answers, known
 
 
-def _between(values: Float32Array, left: IntArray, share: Float32Array) -> Float32Array:
-    """(n,) from each texel to the next one in its row; the last ones of a picture stand for what is beyond it."""
-    first, second = values.take(left, mode="clip"), values.take(left + 1, mode="clip")
+def _mixed(first: Float32Array, second: Float32Array, share: FloatArray | Float32Array) -> Float32Array:
+    """(n,) from the first to the second, which is overwritten."""
     second -= first
     second *= share
     second += first
