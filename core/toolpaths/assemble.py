@@ -67,33 +67,35 @@ def _extrusions(
     rows = approach + count - 1
     first_row = starts(rows)
     total = int(first_row[-1])
-    extrudes = np.ones(total, dtype=bool)
-    extrudes[ranges(first_row[:-1], approach)] = False
-    heads, tails = np.ones((2, len(paths.points)), dtype=bool)
-    heads[paths.start[:-1]] = False
-    tails[paths.start[1:] - 1] = False
+    before = ranges(first_row[:-1], approach)
+    # The point at which each row's line arrives; that of an approach arrives at the first one.
+    arrives = np.arange(total) + np.repeat(paths.start[:-1] - first_row[:-1] - approach + 1, rows)
+    arrives[before] = np.repeat(paths.start[:-1], approach)
+    leaves = arrives - 1
 
     def of_rows(values: NDArray[Scalar], beside: float = 0.0) -> NDArray[Scalar]:
         """(total,) values of the lines that leave the points, something else in the approaches."""
-        column = np.full(total, beside, dtype=values.dtype)
-        column[extrudes] = values[tails]
+        column = values.take(leaves)
+        column[before] = beside
         return column
 
     position = np.empty((total, 3))
-    position[~extrudes, :2] = np.repeat(paths.points[paths.start[:-1]], approach, axis=0)
-    position[extrudes, :2] = paths.points[heads]
+    position[:, :2] = paths.points.take(arrives, axis=0)
     position[:, 2] = np.repeat(layers.top[paths.layer], rows)
     diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    section = np.repeat(np.pi / 4 * diameter**2, count)
-    height = np.repeat(layers.height[paths.layer], count)
-    filament = length * paths.width * height * settings.extrusion_multiplier / section
+    section = np.pi / 4 * diameter**2
+    height = layers.height[paths.layer]
+    filament = length * paths.width
+    filament *= np.repeat(height * settings.extrusion_multiplier / section, count)
+    features, heights = np.repeat(paths.feature, rows), np.repeat(height, rows)
+    features[before], heights[before] = int(Feature.TRAVEL), 0.0
     table = Moves(
         position=position,
         tool=np.repeat(tool, rows),
-        feature=of_rows(np.repeat(paths.feature, count), int(Feature.TRAVEL)),
+        feature=features,
         layer=np.repeat(paths.layer, rows),
         width=of_rows(paths.width),
-        height=of_rows(height),
+        height=heights,
         speed=of_rows(extrusion_speeds(paths, layers, length, settings), settings.travel_speed),
         filament=of_rows(filament),
     )
