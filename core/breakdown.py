@@ -53,7 +53,7 @@ def time_report(
 def heating_seconds(moves: Moves, settings: PrintSettings) -> float:
     """About how long the printer heats before it prints: the bed first, then all nozzles that are used at once."""
     nozzles = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
-    hottest = max((nozzles[tool] for tool in np.unique(moves.tool)), default=0.0)
+    hottest = max((nozzles[tool] for tool in np.flatnonzero(np.bincount(moves.tool))), default=0.0)
     bed = max(settings.bed_temperature - ROOM_C, 0.0) / BED_C_PER_S
     return bed + max(hottest - (settings.printer_profile.warm_up_c if bed > 0 else ROOM_C), 0.0) / NOZZLE_C_PER_S
 

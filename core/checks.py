@@ -8,7 +8,6 @@ from .errors import MeshError, PrintError, SettingsError
 from .model import BoolArray, FloatArray
 from .printer import PrinterProfile
 from .settings import PrintSettings
-from .slicing.outlines import bounds
 from .toolpaths.moves import Feature, Moves
 
 _ROUNDING_MM = 1e-6
@@ -60,12 +59,16 @@ def check_reach(moves: Moves, printer: PrinterProfile) -> None:
     strand = moves.extrudes
     if not strand.any():
         return
-    low, high = bounds(moves.position, strand)
+    # Runs of strands, or of other moves, by one tool: a few rows for each path.
+    run = np.flatnonzero(np.append(True, (strand[1:] != strand[:-1]) | (moves.tool[1:] != moves.tool[:-1])))
+    lows, highs = (extreme.reduceat(moves.position, run, axis=0) for extreme in (np.minimum, np.maximum))
+    strand, by_tool = strand[run], moves.tool[run]
+    low, high = lows[strand].min(axis=0), highs[strand].max(axis=0)
     least, most = (np.array(corner) for corner in (printer.reach_min, printer.reach_max))
     if (low < least - _ROUNDING_MM).any() or (high > most + _ROUNDING_MM).any():
         raise _out_of_reach(moves, low, high, least, most)
-    for tool in (0, 1):
-        low, high = bounds(moves.position, moves.tool == tool)
+    for tool in np.unique(by_tool).tolist():
+        low, high = lows[by_tool == tool].min(axis=0), highs[by_tool == tool].max(axis=0)
         bed_high = np.array(printer.bed_max)
         bed_high[0] = min(bed_high[0], printer.reach_x_max[tool])
         if low[2] < printer.bed_min[2]:
@@ -100,7 +103,7 @@ def check_temperatures(moves: Moves, settings: PrintSettings) -> None:
     """Nozzles that print are hot, and nothing gets hotter than the printer allows."""
     coldest_nozzle = settings.printer_profile.extrusion_temperature_c
     hottest_nozzle, hottest_bed = settings.printer_profile.max_temperature_c
-    for tool in np.unique(moves.tool[moves.extrudes]).tolist():
+    for tool in np.flatnonzero(np.bincount(moves.tool[moves.extrudes])).tolist():
         name = f"nozzle_temperature_{tool}"
         degrees = getattr(settings, name)
         if not coldest_nozzle <= degrees <= hottest_nozzle:

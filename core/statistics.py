@@ -20,23 +20,21 @@ _SHORTEST_MM = 1e-9
 
 @dataclass(frozen=True)
 class _Segments:
-    """The rows of the moves that take time. S segments between S + 1 nodes.
+    """The rows of the moves that take time, S of them.
 
     Attributes:
         row: (S,) int64, the row of the moves.
-        direction: X, Y, Z and filament for each mm of length, (S,) each.
         length: (S,) float64 mm, of the way or else of the filament.
         speed: (S,) float64 mm/s that the axes allow.
         acceleration: (S,) float64 mm/s² that the axes allow.
-        tool: (S,) int64.
+        corner: (S,) float64 mm²/s², the greatest squared speed between a segment and the next one; 0 at the last.
     """
 
     row: IntArray
-    direction: tuple[FloatArray, FloatArray, FloatArray, FloatArray]
     length: FloatArray
     speed: FloatArray
     acceleration: FloatArray
-    tool: IntArray
+    corner: FloatArray
 
 
 def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
@@ -73,7 +71,7 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
         (seconds[segments.row],) = in_chunks(
             _trapezoid_seconds, segments.length, segments.speed, segments.acceleration, u[:-1], u[1:]
         )
-    seconds[1:][np.diff(moves.tool) != 0] += printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
+    seconds[1:][moves.tool[1:] != moves.tool[:-1]] += printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
     return seconds
 
 
@@ -107,40 +105,70 @@ def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
 
 def _segments(moves: Moves, printer: PrinterProfile) -> _Segments:
     """The rows with a way or with filament; a row before which the place is not known (the first) has no way."""
-    before = np.concatenate([moves.position[:1], moves.position[:-1]])
-    row = np.arange(len(moves.tool))
-    columns = (row, before, moves.position, moves.filament, moves.speed, moves.tool)
-    row, x, y, z, feed, length, speed, acceleration, tool = in_chunks(partial(_measured, printer), *columns)
-    return _Segments(row, (x, y, z, feed), length, speed, acceleration, tool)
+    measured = in_chunks(partial(_measured, moves, printer), np.arange(len(moves.tool)))
+    row, length, speed, acceleration, corner, *tips = measured
+    # What lies between the last segment of a chunk and the first one of the next.
+    between = np.flatnonzero(np.isnan(corner))
+    tips = [tip[1:] for tip in tips]
+    corner[between] = np.append(_corner_speeds_squared(printer.max_speed_change_mm_s, *tips)[::2], 0.0)[: len(between)]
+    return _Segments(row, length, speed, acceleration, corner)
 
 
-def _measured(
-    printer: PrinterProfile,
-    row: IntArray,
-    before: FloatArray,
-    position: FloatArray,
-    filament: FloatArray,
-    speed: FloatArray,
-    tool: IntArray,
-) -> tuple[NDArray[Any], ...]:
-    """The columns of `_Segments` for some rows of the moves, without those that take no time."""
-    x, y, z = (position - before).T.copy()
-    length = np.sqrt(x * x + y * y + z * z)
-    still = length < _SHORTEST_MM
-    length[still] = np.abs(filament[still])
+def _measured(moves: Moves, printer: PrinterProfile, row: IntArray) -> tuple[NDArray[Any], ...]:
+    """The columns of `_Segments` for some rows that follow each other, without those that take no time.
+
+    The last corner is not known yet, NaN; what it takes of the first and the last segment comes after the columns,
+    as for `_corner_speeds_squared`.
+    """
+    here = slice(int(row[0]), int(row[-1]) + 1)
+    near = moves.position[max(here.start - 1, 0) : here.stop].T
+    # The way along X, Y and Z and the filament, then both for each mm of length.
+    direction = np.zeros((4, len(row)))
+    np.subtract(near[:, 1:], near[:, :-1], out=direction[:3, max(1 - here.start, 0) :])
+    direction[3] = moves.filament[here]
+    length = np.sqrt(np.einsum("ij,ij->j", direction[:3], direction[:3]))
+    still = np.flatnonzero(length < _SHORTEST_MM)
+    direction[:3, still] = 0.0
+    length[still] = np.abs(direction[3, still])
+    speed, tool = moves.speed[here], moves.tool[here]
     kept = length >= _SHORTEST_MM
     if not kept.all():
-        row, x, y, z, filament, speed = (column[kept] for column in (row, x, y, z, filament, speed))
-        length, still, tool = length[kept], still[kept], tool[kept]
-    x, y, z = (np.where(still, 0.0, way / length) for way in (x, y, z))
-    feed = filament / length
-    lift, fed, level = np.abs(z), np.abs(feed), np.maximum(np.abs(x), np.abs(y))
+        row, tool = row[kept], tool[kept]
+        length, speed, direction = length[kept], speed[kept], direction[:, kept]
+    direction /= length
+    x, y, lift, fed = np.abs(direction)
+    level = np.maximum(x, y, out=x)
+    speed = np.minimum(speed, 1 / _most(level, lift, fed, printer.max_speed_mm_s))
+    acceleration = 1 / _most(level, lift, fed, printer.acceleration_mm_s2)
+    corner = np.full(len(row), np.nan)
+    corner[:-1] = _corner_speeds_squared(printer.max_speed_change_mm_s, tool, speed, direction.T)
+    tips = [column[[0, -1]] if len(row) else column for column in (tool, speed, direction.T)]
+    return row, length, speed, acceleration, corner, *tips
+
+
+def _most(level: FloatArray, lift: FloatArray, fed: FloatArray, limits: Four) -> FloatArray:
+    """(S,) the greatest share of a limit that an axis takes: X or Y, whose limits are the same, Z or the filament."""
+    share = np.maximum(level / limits[0], lift / limits[2])
+    return np.maximum(share, fed / limits[3], out=share)
+
+
+def _corner_speeds_squared(at_once: Four, tool: IntArray, speed: FloatArray, direction: FloatArray) -> FloatArray:
+    """(S - 1,) mm²/s², greatest squared speed between S segments that follow each other; 0 where the tool changes.
+
+    Args:
+        at_once: mm/s that each axis may change its speed by.
+        tool: (S,).
+        speed: (S,) mm/s.
+        direction: (S, 4), for each mm of length.
+    """
+    change = np.diff(direction.T)
+    np.abs(change, out=change)
+    change /= np.array(at_once)[:, None]
     with np.errstate(divide="ignore"):
-        speed = np.minimum(speed, printer.max_speed_mm_s[3] / fed)
-        speed = np.minimum(speed, np.minimum(printer.max_speed_mm_s[0] / level, printer.max_speed_mm_s[2] / lift))
-        acceleration = np.minimum(printer.acceleration_mm_s2[0] / level, printer.acceleration_mm_s2[2] / lift)
-        acceleration = np.minimum(acceleration, printer.acceleration_mm_s2[3] / fed)
-    return row, x, y, z, feed, length, speed, acceleration, tool
+        limit = 1 / change.max(axis=0)
+    np.minimum(limit, np.minimum(speed[1:], speed[:-1]), out=limit)
+    limit[tool[1:] != tool[:-1]] = 0.0
+    return np.asarray(limit * limit)
 
 
 def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatArray:
@@ -149,39 +177,17 @@ def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatA
     A segment that gains `w = 2·a·length` at most ties its ends by |u_i - u_{i+1}| ≤ w. With P the sum of the w
     before a node, u + P must not exceed any later u + P, and u - P any earlier u - P: two running minima.
     """
-    gain = 2 * segments.acceleration * segments.length
-    before = np.concatenate([[0.0], np.cumsum(gain)])
-    u = np.zeros(len(gain) + 1)
-    if len(gain) > 1:
-        columns = [part for column in (segments.speed, *segments.direction) for part in (column[:-1], column[1:])]
-        corner_speeds = partial(_corner_speeds_squared, printer.max_speed_change_mm_s)
-        (u[1:-1],) = in_chunks(corner_speeds, segments.tool[:-1] != segments.tool[1:], *columns)
+    before = np.zeros(len(segments.row) + 1)
+    np.cumsum(2 * segments.acceleration * segments.length, out=before[1:])
+    u = np.append(0.0, segments.corner)
     queue = printer.queue_moves
     u[:-queue] = np.minimum(u[:-queue], before[queue:] - before[:-queue])
-    u = np.minimum.accumulate((u + before)[::-1])[::-1] - before
-    u = np.minimum.accumulate(u - before) + before
-    bounded: FloatArray = np.maximum(u, 0.0)  # the sums round
-    return bounded
-
-
-def _corner_speeds_squared(
-    at_once: Four, changes: BoolArray, speed: FloatArray, next_speed: FloatArray, *directions: FloatArray
-) -> tuple[FloatArray]:
-    """(S - 1,) mm²/s², greatest squared speed between segments and the next ones; 0 where the tool changes.
-
-    Args:
-        at_once: mm/s that each axis may change its speed by.
-        changes: whether the next segment has another tool.
-        speed: mm/s of the segments.
-        next_speed: mm/s of the next ones.
-        directions: of the segments and of the next ones, axis by axis.
-    """
-    limit = np.minimum(speed, next_speed)
-    with np.errstate(divide="ignore"):
-        for axis, change in enumerate(at_once):
-            limit = np.minimum(limit, change / np.abs(directions[2 * axis + 1] - directions[2 * axis]))
-    limit[changes] = 0.0
-    return (limit * limit,)
+    u += before
+    u = np.minimum.accumulate(u[::-1])[::-1] - before
+    u -= before
+    np.minimum.accumulate(u, out=u)
+    u += before
+    return np.maximum(u, 0.0, out=u)  # the sums round
 
 
 def _trapezoid_seconds(
@@ -196,10 +202,11 @@ def _trapezoid_seconds(
         begin: mm²/s², squared speed at the beginning.
         end: mm²/s², squared speed at the end.
     """
-    highest = np.minimum(speed**2, (begin + end) / 2 + acceleration * length)
+    both = begin + end
+    highest = np.minimum(speed * speed, both / 2 + acceleration * length)
     top = np.sqrt(highest)
     ramps = (2 * top - np.sqrt(begin) - np.sqrt(end)) / acceleration
-    ramp_length = (2 * highest - begin - end) / (2 * acceleration)
+    ramp_length = (highest - both / 2) / acceleration
     return (ramps + np.maximum(length - ramp_length, 0.0) / top,)
 
 
