@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import MeshError, TextureError
 from .model import FloatArray, IntArray, SurfaceModel, TriangleMesh
 from .polygons import triangle_corners
 from .settings import PrintSettings
+from .slicing.outlines import bounds
 
 WELD_SHARE = 3e-7
 """Vertices nearer than this share of the object's size are one: a few times the resolution of float32."""
 
+_OBLIQUE = np.array([1.0, 0.6180339887, 0.3819660113])
 _FAR_AWAY_MM = 1e7  # beyond this, neighbouring vertices could no longer be told apart
 _REACH_TOLERANCE_MM = 1e-3
 _USUAL_MM = 5.0  # an object is rarely shorter than this
@@ -44,7 +49,7 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
     check_size(vertices, model.name, settings)
     corners, polygon = triangle_corners(vertices, model.polygon_start, corner_vertex)
     vertices, welded = weld(vertices, _vertex_object(model, corner_vertex, len(vertices)))
-    faces = welded[corner_vertex[corners]]
+    faces = welded[_of_corners(corner_vertex, corners)]
     a, b, c = faces.T
     proper = (a != b) & (b != c) & (c != a)
     if not proper.any():
@@ -52,12 +57,12 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
     if not proper.all():
         corners, polygon, faces = corners[proper], polygon[proper], faces[proper]
     face_uv, face_texture = _painting(model, corners, polygon)
-    face_tone = np.full(corners.shape, np.nan) if model.corner_tone is None else model.corner_tone[corners]
+    tone = np.broadcast_to(np.nan, corners.shape) if model.corner_tone is None else model.corner_tone[corners]
     face_object = None if model.polygon_object is None else model.polygon_object[polygon]
     face_support = None if model.polygon_support is None else model.polygon_support[polygon]
     volumes = tuple(volume.moved(shift) for volume in model.volumes)
     return TriangleMesh(
-        vertices, faces, face_uv, face_tone, face_texture, face_object, face_support, volumes,
+        vertices, faces, face_uv, tone, face_texture, face_object, face_support, volumes,
         None if model.corner_visibility is None else model.corner_visibility[corners],
         None if model.polygon_visibility is None else model.polygon_visibility[polygon],
     )  # fmt: skip
@@ -115,7 +120,7 @@ def placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
     """Vertices (V, 3), moved onto the middle of the bed if so wished."""
     if not center_on_bed:
         return vertices
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low, high = bounds(vertices)
     anchor = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
     moved: FloatArray = vertices - anchor
     return moved
@@ -123,7 +128,7 @@ def placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
 
 def check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None:
     """Refuse what the printer cannot reach or what is too small to be meant."""
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    low, high = bounds(vertices)
     size = high - low
     sizes = f"{' × '.join(_length(side) for side in size)} mm"
     printer = settings.printer_profile
@@ -185,30 +190,36 @@ def _vertex_object(model: SurfaceModel, corner_vertex: IntArray, count: int) -> 
 def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArray, IntArray]:
     """Merge vertices that lie at the same place and have the same owner (V,), if there are any.
 
-    On each axis the sorted coordinates are cut into runs wherever two are farther apart than the tolerance; vertices
-    in the same run on all three axes are one. Unlike a rounded grid this leaves no pair astride a cell border, and a
-    run that grows long by chance on one axis is cut by the two others.
+    Sorted along an axis, vertices are cut into runs wherever two are farther apart than the tolerance, each run again
+    along the next axis; what is still in one run is one vertex. Unlike a rounded grid this leaves no pair astride the
+    border of a cell, and a run that grows long by chance is cut along another axis. Along the first, oblique axis
+    hardly any two distinct vertices lie side by side.
 
     Returns:
         (W, 3) distinct vertices, each at the place of the first one merged, and (V,) where each vertex went.
     """
-    tolerance = WELD_SHARE * np.ptp(vertices, axis=0).max()
-    key = np.zeros(len(vertices), dtype=np.int64)
-    if owner is not None:
-        key += owner
-    for axis in range(3):
-        order = np.argsort(vertices[:, axis])
-        runs = np.concatenate([[0], np.cumsum(np.diff(vertices[order, axis]) > tolerance)])
-        run = np.empty(len(vertices), dtype=np.int64)
-        run[order] = runs
-        if axis == 2:  # two axes may fill 62 bits
-            key = np.unique(key, return_inverse=True)[1].astype(np.int64, copy=False)
-        key = key * (runs[-1] + 1) + run
-    _, first, welded = np.unique(key, return_index=True, return_inverse=True)
-    rank = np.argsort(first)  # keep the order of the vertices, so that neighbours stay near in memory
-    place = np.empty(len(rank), dtype=np.int64)
-    place[rank] = np.arange(len(rank))
-    return vertices[first[rank]], place[welded]
+    tolerance = WELD_SHARE * np.ptp(bounds(vertices), axis=0).max()
+    near = np.arange(len(vertices))
+    group = np.zeros(len(vertices), dtype=np.int64) if owner is None else owner
+    for column, reach in ((vertices @ _OBLIQUE, tolerance * _OBLIQUE.sum()), *((x, tolerance) for x in vertices.T)):
+        order = np.argsort(column[near])
+        # By group first: numbers that hold both are sorted in a third of the time of `lexsort`.
+        bits = len(near).bit_length()
+        order = order[np.sort((group[order] << bits) | np.arange(len(near))) & ((1 << bits) - 1)]
+        near, group = near[order], group[order]
+        value = column[near]
+        begins = np.append(True, (group[1:] != group[:-1]) | (value[1:] - value[:-1] > reach))[: len(near)]
+        group = np.cumsum(begins) - 1
+        shared = ~(begins & np.append(begins[1:], True))  # the others have nothing near them
+        near, group = near[shared], group[shared]
+    into = np.arange(len(vertices))
+    if len(near):
+        begin = np.flatnonzero(np.diff(group, prepend=-1))
+        first = np.minimum.reduceat(near, begin)
+        into[near] = np.repeat(first, np.diff(begin, append=len(near)))
+        stays = into == np.arange(len(vertices))
+        vertices, into = vertices[stays], (np.cumsum(stays) - 1)[into]
+    return vertices, into
 
 
 def _painting(model: SurfaceModel, corners: IntArray, polygon: IntArray) -> tuple[FloatArray, IntArray]:
@@ -216,8 +227,18 @@ def _painting(model: SurfaceModel, corners: IntArray, polygon: IntArray) -> tupl
     texture = np.maximum(model.polygon_texture[polygon], -1)
     if model.corner_uv is None:
         return np.zeros((*corners.shape, 2)), texture
-    uv = np.asarray(model.corner_uv[corners], dtype=np.float64)
-    broken = ~(np.abs(uv) <= _UV_LIMIT).all(axis=(1, 2))  # NaN fails as well
-    if broken.any():
-        uv[broken], texture[broken] = 0.0, -1
+    uv = np.asarray(_of_corners(model.corner_uv, corners), dtype=np.float64)
+    if uv.min() >= -_UV_LIMIT and uv.max() <= _UV_LIMIT:  # NaN fails as well
+        return uv, texture
+    broken = ~(np.abs(uv) <= _UV_LIMIT).all(axis=(1, 2))
+    uv = uv.copy()
+    uv[broken], texture[broken] = 0.0, -1
     return uv, texture
+
+
+def _of_corners(table: NDArray[Any], corners: IntArray) -> NDArray[Any]:
+    """(T, 3, …) rows of triangles' corners; a view of the table where these are all of them in turn."""
+    flat = corners.ravel()
+    if len(flat) == len(table) and (flat == np.arange(len(flat))).all():
+        return table.reshape(*corners.shape, *table.shape[1:])
+    return table.take(corners, axis=0)

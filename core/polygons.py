@@ -23,6 +23,8 @@ def triangle_corners(
         fewer than three corners give none.
     """
     sides = np.diff(polygon_start)
+    if (sides == 3).all():
+        return np.arange(3 * len(sides)).reshape(-1, 3) + polygon_start[0], np.arange(len(sides))
     corners, owners = [], []
     for part, polygons in (
         (polygon_start[:-1][sides == 3, None] + np.arange(3), np.flatnonzero(sides == 3)),
@@ -32,8 +34,6 @@ def triangle_corners(
         corners.append(part)
         owners.append(polygons)
     triangles, polygon = np.concatenate(corners), np.concatenate(owners)
-    if (sides == 3).all():
-        return triangles, polygon
     order = np.argsort(polygon, kind="stable")
     return triangles[order], polygon[order]
 

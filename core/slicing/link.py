@@ -50,10 +50,12 @@ def _cut(segments: Segments, tail: IntArray, head: IntArray, plane: FloatArray) 
     mesh = segments.mesh
     # Columns in one piece are read and worked out several times as fast as short rows.
     x, y, z = np.ascontiguousarray(mesh.vertices.T)
-    values = [mesh.face_uv[..., 0].ravel(), mesh.face_uv[..., 1].ravel(), mesh.face_tone.ravel()]
+    values = [mesh.face_uv[..., 0].ravel(), mesh.face_uv[..., 1].ravel()]
+    if not np.isnan(mesh.face_tone).all():
+        values.append(mesh.face_tone.ravel())
 
     def chunk(tail: IntArray, head: IntArray, plane: FloatArray) -> tuple[FloatArray, FloatArray]:
-        points, carried = np.empty((len(tail), 2)), np.empty((len(tail), 2, 3))
+        points, carried = np.empty((len(tail), 2)), np.full((len(tail), 2, 3), np.nan)
         for end, edge in enumerate((tail, head)):
             low, high, share = edge_shares(mesh.faces, z, edge, plane)
             if end == 0:
