@@ -127,21 +127,25 @@ class _Walk:
 
     def _print_island(self, runs: list[list[int]]) -> None:
         for run in runs:
-            if len(run) > _MANY:
+            if len(run) == 1:
+                path = run[0]
+                self._print(path, abs(self._ends[path] - self._place) < abs(self._begins[path] - self._place))
+            elif len(run) > _MANY:
                 self._print_many(np.array(run))
             else:
                 self._print_few(run)
 
     def _print_few(self, waiting: list[int]) -> None:
         """Visit paths nearest first; open ones may be printed from either end."""
+        tips = [self._begins[path] for path in waiting] + [self._ends[path] for path in waiting]
         while waiting:
-            to_begin = [abs(self._begins[path] - self._place) for path in waiting]
-            to_end = [abs(self._ends[path] - self._place) for path in waiting]
-            least, turned = min(to_begin), min(to_end)
-            if turned < least:
-                self._print(waiting.pop(to_end.index(turned)), turn=True)
-            else:
-                self._print(waiting.pop(to_begin.index(least)), turn=False)
+            place = self._place
+            away = [abs(tip - place) for tip in tips]
+            nearest = away.index(min(away))
+            turn = nearest >= len(waiting)
+            chosen = nearest - len(waiting) if turn else nearest
+            del tips[chosen + len(waiting)], tips[chosen]
+            self._print(waiting.pop(chosen), turn)
 
     def _print_many(self, waiting: IntArray) -> None:
         """As `_print_few`."""
@@ -182,19 +186,24 @@ def _complex(points: FloatArray) -> NDArray[np.complex128]:
 
 
 def _laid_out(paths: Paths, sequence: IntArray, offset: IntArray, flipped: BoolArray) -> OrderedPaths:
-    count = np.diff(paths.start)[sequence]
+    first, count, offset = paths.start[sequence], np.diff(paths.start)[sequence], offset[sequence]
     printed = count + paths.closed[sequence]
-    row = np.repeat(sequence, printed)
-    step = ranges(np.zeros(len(sequence), dtype=np.int64), printed)
-    size = np.repeat(count, printed)
-    local = np.where(flipped[row], size - 1 - step, (step + offset[row]) % size)
-    point = paths.start[row] + local
+    start = starts(printed)
+    point = np.arange(start[-1]) + np.repeat(first + offset - start[:-1], printed)
+    # A closed path goes on with its first point and ends where it began.
+    over = np.where(paths.closed[sequence], offset + 1, 0)
+    point[ranges(start[1:] - over, over)] -= np.repeat(count, over)
+    turned = flipped[sequence]
+    row = ranges(start[:-1][turned], count[turned])
+    backwards = np.repeat((first + count - 1 + start[:-1])[turned], count[turned]) - row
+    point[row] = backwards
+    width = paths.width.take(point)
     # A line printed backwards leaves its points by the segment that used to arrive there.
-    leaving = np.where(flipped[row], paths.start[row] + np.maximum(local - 1, 0), point)
+    width[row] = paths.width[np.maximum(backwards - 1, np.repeat(first[turned], count[turned]))]
     return OrderedPaths(
         points=paths.points.take(point, axis=0),
-        width=paths.width[leaving],
-        start=starts(printed),
+        width=width,
+        start=start,
         layer=paths.layer[sequence],
         feature=paths.feature[sequence],
         island=paths.island[sequence],

@@ -27,11 +27,12 @@ def seam_offsets(paths: Paths, settings: PrintSettings) -> IntArray:
     if len(closed) == 0:
         return offset
     count = np.diff(paths.start)[closed]
-    points = paths.points[ranges(paths.start[closed], count)]
     group = starts(count)
+    point = ranges(paths.start[closed], count)
     if settings.seam_position in ("rear", "nearest"):
-        offset[closed] = nearest(-points[:, 1], group)[0] - group[:-1]
+        offset[closed] = nearest(-paths.points[:, 1].take(point), group)[0] - group[:-1]
         return offset
+    points = paths.points.take(point, axis=0)
     hidden = np.zeros(len(points))
     if settings.seam_position == "valley":
         hidden[~valleys(points, group, settings.wavelength / 2)] = np.inf
