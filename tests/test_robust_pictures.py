@@ -72,7 +72,7 @@ def test_bands_of_a_large_picture_make_the_same_levels(monkeypatch):
     random = np.random.default_rng(5)
     size = (37, 51)
     tone, alpha = (random.random(size).astype(np.float32).ravel() for _ in range(2))
-    base = pyramid._level(*size, tone, alpha, None, random.integers(0, 4, tone.size).astype(np.int8))
+    base = pyramid._level(*size, tone, alpha, None, random.integers(0, 4, tone.size).astype(np.int8), np.zeros(0, int))
     whole = pyramid._halved_to_one(base)
     monkeypatch.setattr(pyramid, "_BAND_TEXELS", 200)
     for one, other in zip(whole, pyramid._halved_to_one(base), strict=True):

@@ -17,8 +17,8 @@ DEGRADED_DEG, GONE_DEG = 30.0, 20.0
 """Degrees from flat below which the tone loses resolution, and below which there is none (paper, Figure 9)."""
 
 WARNED_SHARE = 0.25
-_STEP_MM = 1.0
-_MOST_POINTS, _LEAST_POINTS = 50_000, 4_000
+_PLACE_MM2 = 2.0
+_MOST_PLACES, _LEAST_PLACES = 20_000, 5_000
 _LEAST_CONTRAST = 1e-6
 _ROUNDING_DEG = 1e-6
 
@@ -30,7 +30,7 @@ class FaceContrast:
     Attributes:
         area: (F,) mm².
         contrast: (F,) mm², the distance of the tone from the mean tone of the whole surface, integrated over the face;
-            of many faces smaller than a square millimetre some stand for their neighbours too, which have none then.
+            of many faces of a few square millimetres some stand for their neighbours too, which have none then.
         normal: (F, 3) unit vectors outwards, zero on faces without an area.
     """
 
@@ -56,8 +56,7 @@ def face_contrast(mesh: TriangleMesh, pyramids: TexturePyramids, settings: Print
     doubled = np.sqrt(np.einsum("fi,fi->f", mesh.area_normals, mesh.area_normals))
     normal = mesh.area_normals / np.maximum(doubled, 1e-12)[:, None]
     area = doubled / 2
-    step = max(_STEP_MM, float(np.sqrt(2 * area.sum() / _MOST_POINTS)))
-    face, share, weight = _places(mesh, area, step)
+    face, share, weight = _places(mesh, area)
     uv = np.einsum("qc,qcd->qd", share, mesh.face_uv.take(face, axis=0))
     vertex_tone = np.einsum("qc,qc->q", share, mesh.face_tone.take(face, axis=0))
     tone = tone_at(pyramids, face, uv, vertex_tone, settings.background_tone)
@@ -66,19 +65,19 @@ def face_contrast(mesh: TriangleMesh, pyramids: TexturePyramids, settings: Print
     return FaceContrast(area, contrast, normal)
 
 
-def _places(mesh: TriangleMesh, area: FloatArray, step: float) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Places all over the surface, no farther apart than about `step`: the face, shares of its corners, and mm².
+def _places(mesh: TriangleMesh, area: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Places all over the surface: the face, shares of its corners, and mm² that each stands for.
 
-    Where there are many faces that are smaller than a step is wide, one stands for several of them.
+    Of many faces that are smaller than that, one stands for several.
     """
-    large, small = np.flatnonzero(area > step**2 / 2), np.flatnonzero(area <= step**2 / 2)
+    most = max(_PLACE_MM2, float(area.sum()) / _MOST_PLACES)
+    large, small = np.flatnonzero(area > most), np.flatnonzero(area <= most)
     weight = area[small]
-    if len(small) > _LEAST_POINTS:
-        each = min(step**2 / 2, float(weight.sum()) / _LEAST_POINTS)
-        reached = np.cumsum(weight) // max(each, 1e-12)
-        weight = np.diff(reached, prepend=0) * each
+    if len(small) > _LEAST_PLACES:
+        each = max(min(most, float(weight.sum()) / _LEAST_PLACES), 1e-12)
+        weight = np.diff(np.cumsum(weight) // each, prepend=0) * each
         small, weight = small[weight > 0], weight[weight > 0]
-    on = points_on_faces(mesh.vertices[mesh.faces[large]], step)
+    on = points_on_faces(mesh.vertices[mesh.faces[large]], np.sqrt(most))
     face = large[on.face]
     share = np.concatenate([on.share, np.full((len(small), 3), 1 / 3)])
     return np.append(face, small), share, np.append(on.weight * area[face], weight)

@@ -34,13 +34,12 @@ def corner_places(mesh: TriangleMesh, faces: IntArray) -> IntArray:
     A vertex stands for the UV and the texture at one of its corners; only corners that differ from that are sorted.
     """
     place, texture = mesh.faces.take(faces, axis=0), mesh.face_texture.take(faces)
-    uv = complex_uv(mesh.face_uv.take(faces, axis=0))
+    uv = complex_uv(mesh.face_uv if len(faces) == len(mesh.faces) else mesh.face_uv[faces])
     standing = np.empty(len(mesh.vertices), dtype=np.complex128)
     standing[place] = uv
-    difference = standing.take(place)
-    difference -= uv
-    row, corner = np.divmod(np.flatnonzero(difference != 0), 3)
-    far = np.abs(difference[row, corner].view(np.float64).reshape(-1, 2)).max(axis=1) > _UV_STEP
+    row, corner = np.divmod(np.flatnonzero(standing.take(place) != uv), 3)
+    difference = uv[row, corner] - standing[place[row, corner]]
+    far = np.maximum(np.abs(difference.real), np.abs(difference.imag)) > _UV_STEP
     row, corner = row[far], corner[far]
     if texture.min(initial=0) != texture.max(initial=0):
         owner = np.empty(len(mesh.vertices), dtype=np.int64)
@@ -49,7 +48,7 @@ def corner_places(mesh: TriangleMesh, faces: IntArray) -> IntArray:
         apart[row, corner] = True
         row, corner = np.nonzero(apart)
     if len(row):
-        steps = np.rint(mesh.face_uv[faces[row], corner] / _UV_STEP).astype(np.int64)
+        steps = np.rint(uv[row, corner].view(np.float64).reshape(-1, 2) / _UV_STEP).astype(np.int64)
         key = _mixed(place[row, corner], texture[row], steps[:, 0], steps[:, 1])
         place[row, corner] = len(mesh.vertices) + np.unique(key, return_inverse=True)[1]
     return place

@@ -24,10 +24,12 @@ class Charts:
 
     Attributes:
         face_island: (F,) `NO_ISLAND` without a texture.
+        face_area: (F,) share of its texture that each face covers, negative where it is mirrored.
         labels: one a texture, (h, w) the island that covers each texel; of no size where no face uses the texture.
     """
 
     face_island: LabelImage
+    face_area: FloatArray
     labels: tuple[LabelImage, ...]
 
 
@@ -79,21 +81,27 @@ def uv_charts(mesh: TriangleMesh, sizes: tuple[tuple[int, int], ...]) -> Charts:
     number = numbered(components(place))
     island = np.full(len(mesh.faces), NO_ISLAND, dtype=np.min_scalar_type(-1 - number.max(initial=0)))
     island[textured] = number
+    area = uv_areas(mesh.face_uv)
     labels = []
     for texture, (height, width) in enumerate(sizes):
-        own = np.flatnonzero(mesh.face_texture[textured] == texture)
-        faces = textured[own]
+        faces = np.flatnonzero(mesh.face_texture == texture)
         if not len(faces):
             labels.append(np.zeros((0, 0), dtype=island.dtype))
             continue
-        face_uv = mesh.face_uv.take(faces, axis=0)
-        image, island[faces] = rasterised(face_uv, island[faces], height, width, place.take(own, axis=0))
+        own = slice(None) if len(faces) == len(island) else faces
+        corners = place if len(faces) == len(textured) else place[np.searchsorted(textured, faces)]
+        image, island[own] = rasterised(mesh.face_uv[own], area[own], island[own], height, width, corners)
         labels.append(image)
-    return Charts(island, tuple(labels))
+    return Charts(island, area, tuple(labels))
 
 
 def rasterised(
-    face_uv: FloatArray, island: LabelImage, height: int, width: int, place: IntArray | None = None
+    face_uv: FloatArray,
+    area: FloatArray,
+    island: LabelImage,
+    height: int,
+    width: int,
+    place: IntArray | None = None,
 ) -> tuple[LabelImage, LabelImage]:
     """Label the texels whose centres lie in the UV triangles; UVs outside 0 to 1 repeat the picture.
 
@@ -102,6 +110,7 @@ def rasterised(
 
     Args:
         face_uv: (T, 3, 2).
+        area: (T,) see `uv_areas`.
         island: (T,) of each triangle.
         height: of the picture, texels.
         width: of the picture, texels.
@@ -111,7 +120,6 @@ def rasterised(
         (H, W) island of each texel, `NO_ISLAND` where no chart is, and the triangles' islands (T,) after merging.
     """
     texels, size = width * height, np.array([width, height])
-    area = uv_areas(face_uv)
     edges = _edges(face_uv, np.sign(area), place, island, size)
     row, end = (_centre_from(ends[:, 1]).astype(np.int64) for ends in (edges.low, edges.high))
     count = end - row

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
-from .islands import NO_ISLAND, LabelImage, uv_areas
+from .islands import NO_ISLAND, LabelImage
 from .labels import Charts, uv_charts
 from .lanczos import reduced, texel_spacing
 
@@ -52,7 +52,6 @@ class Picture:
     repeats: bool
 
 
-_PARTLY = NO_ISLAND - 1
 _BAND_TEXELS = 1 << 17  # halved at once: what is worked on stays in the cache
 
 
@@ -110,7 +109,7 @@ def build_pyramids(
             levels: tuple[Level, ...] = (_reduced_level(base, corners, uv, footprint_mm),)
         else:
             levels = _halved_to_one(base)
-            level[faces] = _levels(mesh, faces, (width, height), footprint_mm, len(levels))
+            level[faces] = _levels(mesh, faces, charts.face_area * (width * height), footprint_mm, len(levels))
         pictures.append(Picture(levels, height, width, bool(uv.min() < -1e-6 or uv.max() > 1 + 1e-6)))
     return TexturePyramids(texture_filter, tuple(pictures), mesh.face_texture, charts.face_island, level)
 
@@ -123,10 +122,11 @@ def sizes_of(textures: tuple[ToneImage, ...]) -> tuple[tuple[int, int], ...]:
 def _finest(image: ToneImage, labels: LabelImage) -> Level:
     """The picture itself, alpha premultiplied; what is outside the islands is left there, nothing reads it."""
     tone, (height, width) = np.ascontiguousarray(image.tone).ravel(), labels.shape
+    none = np.zeros(0, dtype=np.int64)
     if image.alpha.min() == 1:
-        return _level(height, width, tone, None, None, labels.ravel())
+        return _level(height, width, tone, None, None, labels.ravel(), none)
     alpha = np.ascontiguousarray(image.alpha).ravel()
-    return _level(height, width, tone * alpha, alpha, None, labels.ravel())
+    return _level(height, width, tone * alpha, alpha, None, labels.ravel(), none)
 
 
 def _level(
@@ -136,21 +136,21 @@ def _level(
     alpha: Float32Array | None,
     coverage: Float32Array | None,
     island: LabelImage,
+    partly: IntArray,
 ) -> Level:
-    """A level with what is `uniform` in it."""
-    kind = island
-    if coverage is not None:
-        kind = island.copy()
-        kind[(coverage > 0) & (coverage < 1)] = _PARTLY
-    kind = kind.reshape(height, width)
-    uniform = np.zeros((height, width), dtype=bool)
-    inner = uniform[:-1, :-1]
-    np.equal(kind[:-1, :-1], kind[1:, 1:], out=inner)
-    inner &= kind[:-1, :-1] == kind[1:, :-1]
-    inner &= kind[:-1, :-1] == kind[:-1, 1:]
-    if coverage is not None:
-        inner &= kind[:-1, :-1] != _PARTLY
-    return Level(height, width, paint, alpha, coverage, island, uniform.ravel())
+    """A level with what is `uniform` in it; `partly` are the texels that are not wholly covered."""
+    uniform = np.zeros(height * width, dtype=bool)
+    last = height * width - width - 1
+    for begin in range(0, last, _BAND_TEXELS):
+        end = min(begin + _BAND_TEXELS, last)
+        part, here = uniform[begin:end], island[begin:end]
+        np.equal(here, island[begin + width + 1 : end + width + 1], out=part)
+        part &= here == island[begin + 1 : end + 1]
+        part &= here == island[begin + width : end + width]
+    uniform[width - 1 :: width] = False
+    for step in (0, 1, width, width + 1):  # of the quad
+        uniform[np.maximum(partly - step, 0)] = False
+    return Level(height, width, paint, alpha, coverage, island, uniform)
 
 
 def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_mm: float) -> Level:
@@ -169,10 +169,12 @@ def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_m
     return Level(height, width, paint.ravel(), alpha.ravel(), None, none.astype(np.int8), none)
 
 
-def _levels(mesh: TriangleMesh, faces: IntArray, size: tuple[int, int], footprint_mm: float, count: int) -> FloatArray:
+def _levels(
+    mesh: TriangleMesh, faces: IntArray, face_texels: FloatArray, footprint_mm: float, count: int
+) -> FloatArray:
     """Level (T,) of some faces, 0 to count - 1, from their areas in mm² and in texels; 0 where either is nothing."""
-    area_mm2 = np.sqrt(np.square(mesh.area_normals.take(faces, axis=0)) @ np.ones(3)) / 2
-    area_texels = np.abs(uv_areas(mesh.face_uv.take(faces, axis=0))) * (size[0] * size[1])
+    normal = mesh.area_normals.take(faces, axis=0)
+    area_mm2, area_texels = np.sqrt(np.einsum("fi,fi->f", normal, normal)) / 2, np.abs(face_texels.take(faces))
     sound = (area_mm2 > 0) & (area_texels > 0)
     ratio = np.divide(area_texels, area_mm2, out=np.ones(len(faces)), where=sound)
     level = np.where(sound, np.log2(footprint_mm) + 0.5 * np.log2(ratio), 0.0)
@@ -211,7 +213,8 @@ def _halved(level: Level) -> Level:
                 mean *= coverage
             mean[mixed] = np.where(own, value.take(child), 0).sum(axis=0) / 4
             values.append(mean)
-    return _level(height, width, values[0], values[1] if len(values) > 1 else None, coverage, owner)
+    partly = mixed[coverage[mixed] < 1]
+    return _level(height, width, values[0], values[1] if len(values) > 1 else None, coverage, owner, partly)
 
 
 def _children(level: Level, texel: IntArray, width: int) -> tuple[IntArray, LabelImage, Float32Array]:
