@@ -24,6 +24,8 @@ def linked_outlines(
         most_cuts: of faces with planes that are worked on at once; a layer with more is a band of its own.
     """
     cut = crossings(mesh, planes)
+    if int((cut.end - cut.first).sum()) <= most_cuts:
+        return link(cut.segments(), gap_closing_radius)
     begins, ends = (np.bincount(at, minlength=len(planes) + 1)[: len(planes)] for at in (cut.first, cut.end))
     cuts = np.cumsum(np.cumsum(begins - ends))
     parts, open_layers = [], []
@@ -35,4 +37,4 @@ def linked_outlines(
         parts.append(loops)
         open_layers.append(left_open)
         low = high
-    return Outlines.joined(parts) if len(parts) > 1 else parts[0], np.concatenate(open_layers)
+    return Outlines.joined(parts), np.concatenate(open_layers)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import FloatArray, IntArray, TriangleMesh
+from ..pattern.chunks import in_chunks
 from .edges import faces_beyond
 from .outlines import ranges, starts
 
@@ -74,13 +75,18 @@ class Crossings:
     def segments(self) -> Segments:
         """The cuts, face by face and upwards in each."""
         count = self.end - self.first
-        layer = ranges(self.first, count)
-        span = np.repeat(np.arange(len(count)), count)
         # The cuts of a face stand in a row, so the one that goes on is found by the face beyond and the layer.
         base = np.zeros(len(self.mesh.faces), dtype=np.int64)
         base[self.tail // 3] = starts(count)[:-1] - self.first
-        successor = np.where(self.beyond < 0, -1 - len(self.planes), base[self.beyond])[span] + layer
-        return Segments(self.mesh, self.planes, layer, self.tail[span], self.head[span], np.maximum(successor, -1))
+        going_on = np.where(self.beyond < 0, -1 - len(self.planes), base.take(self.beyond))
+        layer = ranges(self.first, count)
+        successor = np.repeat(going_on, count)
+        successor += layer
+        if (self.beyond < 0).any():
+            np.maximum(successor, -1, out=successor)
+        return Segments(
+            self.mesh, self.planes, layer, np.repeat(self.tail, count), np.repeat(self.head, count), successor
+        )
 
 
 def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
@@ -94,21 +100,32 @@ def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
         mesh: F faces.
         planes: (L,) mm, increasing.
     """
-    level = np.searchsorted(planes, mesh.vertices[:, 2], side="right")[mesh.faces]
-    # Three sorted by hand, with the number of the corner in the last bits.
-    a, b, c = (4 * level[:, k] + k for k in range(3))
-    a, b = np.minimum(a, b), np.maximum(a, b)
-    lowest, middle, highest = np.minimum(a, c), np.maximum(a, np.minimum(b, c)) >> 2, np.maximum(b, c)
-    # Below its middle corner a face is cut around its lowest one, above it around its highest one. A cut starts on the
-    # edge that leads down and ends on the one that leads up.
-    low, high = lowest & 3, highest & 3
-    corner = 3 * np.arange(len(level))[:, None]
-    tail = (corner + np.stack([_BEFORE[low], high], axis=1)).ravel()
-    head = (corner + np.stack([low, _BEFORE[high]], axis=1)).ravel()
-    first, end = np.stack([lowest >> 2, middle], axis=1).ravel(), np.stack([middle, highest >> 2], axis=1).ravel()
-    some = np.flatnonzero(first < end)
-    head = head[some]
-    return Crossings(mesh, planes, first[some], end[some], tail[some], head, faces_beyond(mesh.faces, level)[head])
+    level = np.searchsorted(planes, mesh.vertices[:, 2], side="right")
+
+    def chunk(faces: IntArray, number: IntArray) -> tuple[IntArray, ...]:
+        """First and end layer, tail and head of the spans of some faces."""
+        # Three sorted by hand, with the number of the corner in the last bits.
+        a, b, c = (4 * level.take(faces[:, k]) + k for k in range(3))
+        a, b = np.minimum(a, b), np.maximum(a, b)
+        lowest, middle, highest = np.minimum(a, c), np.maximum(a, np.minimum(b, c)) >> 2, np.maximum(b, c)
+        # Below its middle corner a face is cut around its lowest one, above it around its highest one. A cut starts on
+        # the edge that leads down and ends on the one that leads up.
+        low, high = lowest & 3, highest & 3
+        first, end = _alternating(lowest >> 2, middle), _alternating(middle, highest >> 2)
+        tail = _alternating(3 * number + _BEFORE.take(low), 3 * number + high)
+        head = _alternating(3 * number + low, 3 * number + _BEFORE.take(high))
+        some = np.flatnonzero(first < end)
+        return first.take(some), end.take(some), tail.take(some), head.take(some)
+
+    first, end, tail, head = in_chunks(chunk, mesh.faces, np.arange(len(mesh.faces)))
+    return Crossings(mesh, planes, first, end, tail, head, faces_beyond(mesh.faces, level).take(head))
+
+
+def _alternating(one: IntArray, other: IntArray) -> IntArray:
+    """(2N,) one of the first, one of the second and so on."""
+    both = np.empty(2 * len(one), dtype=np.int64)
+    both[0::2], both[1::2] = one, other
+    return both
 
 
 def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
