@@ -14,7 +14,7 @@ Float32Array = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
-_CHUNK_FACES = 1 << 16  # worked on at once
+_CHUNK_FACES = 1 << 13  # worked on at once, what stays in the cache
 
 
 @dataclass(frozen=True)
@@ -148,8 +148,9 @@ class TriangleMesh:
         x, y, z = (np.ascontiguousarray(column) for column in self.vertices.T)
         normal = np.empty((len(self.faces), 3))
         for begin in range(0, len(normal), _CHUNK_FACES):
-            a, b, c = self.faces[begin : begin + _CHUNK_FACES].T
-            (px, qx), (py, qy), (pz, qz) = ((w.take(b) - w.take(a), w.take(c) - w.take(a)) for w in (x, y, z))
+            corners = [np.ascontiguousarray(column) for column in self.faces[begin : begin + _CHUNK_FACES].T]
+            ends = ([along.take(corner) for corner in corners] for along in (x, y, z))
+            (px, qx), (py, qy), (pz, qz) = ((b - a, c - a) for a, b, c in ends)
             part = normal[begin : begin + _CHUNK_FACES]
             part[:, 0], part[:, 1], part[:, 2] = py * qz - pz * qy, pz * qx - px * qz, px * qy - py * qx
         normal.flags.writeable = False

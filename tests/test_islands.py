@@ -8,6 +8,8 @@ from dualcolor.core.texture.labels import rasterised
 
 
 def labelled(uv, island, height, width, place=None):
+    """Where no `place` is given no triangles meet."""
+    place = np.arange(3 * len(uv)).reshape(-1, 3) if place is None else place
     return rasterised(uv, uv_areas(uv), island, height, width, place)
 
 

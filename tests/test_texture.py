@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import TextureError
 from dualcolor.core.model import ToneImage, TriangleMesh
-from dualcolor.core.texture.islands import NO_ISLAND, uv_areas, uv_islands
-from dualcolor.core.texture.labels import rasterised
+from dualcolor.core.texture.islands import NO_ISLAND, uv_islands
+from dualcolor.core.texture.labels import uv_charts
 from dualcolor.core.texture.lookup import tone_at
 from dualcolor.core.texture.pyramid import build_pyramids
 
@@ -308,7 +308,7 @@ def test_a_real_atlas_does_not_let_its_gutter_in(data):
     vertices, faces, uv = read_obj(data / "meshes/spot/spot.obj")
     count = len(faces)
     mesh = TriangleMesh(vertices * 35, faces, uv, np.full((count, 3), np.nan), np.zeros(count, np.int64))
-    charts = rasterised(uv, uv_areas(uv), np.zeros(count, np.int64), 512, 512)[0] == 0
+    charts = uv_charts(mesh, ((512, 512),)).labels[0] != NO_ISLAND
     assert 0.3 < charts.mean() < 0.7
     rng = np.random.default_rng(0)
     face = rng.integers(0, count, 20000)

@@ -96,12 +96,7 @@ def uv_charts(mesh: TriangleMesh, sizes: tuple[tuple[int, int], ...]) -> Charts:
 
 
 def rasterised(
-    face_uv: FloatArray,
-    area: FloatArray,
-    island: LabelImage,
-    height: int,
-    width: int,
-    place: IntArray | None = None,
+    face_uv: FloatArray, area: FloatArray, island: LabelImage, height: int, width: int, place: IntArray
 ) -> tuple[LabelImage, LabelImage]:
     """Label the texels whose centres lie in the UV triangles; UVs outside 0 to 1 repeat the picture.
 
@@ -114,7 +109,7 @@ def rasterised(
         island: (T,) of each triangle.
         height: of the picture, texels.
         width: of the picture, texels.
-        place: (T, 3) alike where triangles of an island meet, None if that is not known; it saves time.
+        place: (T, 3) the same number where corners of an island meet; the fewer do, the longer it takes.
 
     Returns:
         (H, W) island of each texel, `NO_ISLAND` where no chart is, and the triangles' islands (T,) after merging.
@@ -129,8 +124,8 @@ def rasterised(
     return labels.reshape(height, width), island if merged is None else merged[island]
 
 
-def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray | None, island: LabelImage, size: IntArray) -> _Edges:
-    """The edges of triangles (T, 3, 2) that bound charts, or fold them, and maybe some more.
+def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray, island: LabelImage, size: IntArray) -> _Edges:
+    """The edges of triangles (T, 3, 2) that bound charts, or fold them, and cross a row of texels.
 
     Args:
         face_uv: (T, 3, 2).
@@ -139,40 +134,39 @@ def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray | None, island
         island: (T,).
         size: width and height, texels.
     """
-    some = np.broadcast_to(side[:, None] != 0, face_uv.shape[:2])
-    if place is not None:
-        some = some & _on_borders(place, side)
-    face, corner = np.nonzero(some)
+    places = int(place.max(initial=-1)) + 1
+    face, corner = _on_borders(place, side, places)
     after = (corner + 1) % 3
-    start, end = face_uv[face, corner] * size, face_uv[face, after] * size
-    if place is not None:  # the same to the last digit on either side, so that borders are closed
-        own = np.empty((int(place.max(initial=0)) + 1, 2))
-        own[place[face, corner]], own[place[face, after]] = start, end
-        start, end = own[place[face, corner]], own[place[face, after]]
-    up, turn = start[:, 1] < end[:, 1], side[face]
-    if place is not None:  # and those left out that another triangle runs along the other way
-        one, other = place[face, corner], place[face, after]
-        pair = np.unique(np.minimum(one, other) * len(own) + np.maximum(one, other), return_inverse=True)[1]
-        single = (np.bincount(pair, np.where(one < other, turn, -turn)) != 0)[pair]
-        start, end, up, face, turn = (values[single] for values in (start, end, up, face, turn))
+    one, other = place[face, corner], place[face, after]
+    own = np.empty((places, 2))  # the same to the last digit on either side, so that borders are closed
+    own[one], own[other] = face_uv[face, corner] * size, face_uv[face, after] * size
+    start, end, turn = own[one], own[other], side[face]
+    crossing = (_centre_from(start[:, 1]) != _centre_from(end[:, 1])) & (turn != 0)
+    face, one, other, start, end, turn = (values[crossing] for values in (face, one, other, start, end, turn))
+    # Two triangles on either side of an edge run along it in opposite directions.
+    pair = np.unique(np.minimum(one, other) * places + np.maximum(one, other), return_inverse=True)[1]
+    single = (np.bincount(pair, np.where(one < other, turn, -turn)) != 0)[pair]
+    face, start, end, turn = (values[single] for values in (face, start, end, turn))
+    up = start[:, 1] < end[:, 1]
     low, high = np.where(up[:, None], start, end), np.where(up[:, None], end, start)
     return _Edges(low, high, up == (turn > 0), island[face])
 
 
-def _on_borders(place: IntArray, side: FloatArray) -> BoolArray:
-    """(T, 3) the edges, from each corner to the next, both of whose ends are on a chart's border or on a fold of it.
+def _on_borders(place: IntArray, side: FloatArray, places: int) -> tuple[IntArray, IntArray]:
+    """Edges both of whose ends are on a chart's border or on a fold of it: the triangle and the corner they start from.
 
     Around a place within a chart each triangle begins where the one before it has ended: with a random number for
     each place, end less begin, summed over the triangles, is nothing. A mirrored triangle ends where it begins.
     """
-    number = np.random.default_rng(0).integers(1 << 44, size=int(place.max(initial=-1)) + 1).astype(np.float64)
+    number = np.random.default_rng(0).integers(1 << 44, size=places).astype(np.float64)
     corners = [np.ascontiguousarray(column) for column in place.T]
     numbers = [number.take(corner) for corner in corners]
-    total = np.zeros(len(number))  # of whole numbers, so that nothing is rounded
+    total = np.zeros(places)  # of whole numbers, so that nothing is rounded
     for k, corner in enumerate(corners):
-        total += np.bincount(corner, side * (numbers[k - 2] - numbers[k - 1]), len(number))
+        total += np.bincount(corner, side * (numbers[k - 2] - numbers[k - 1]), places)
     first, second, third = ((total != 0).take(corner) for corner in corners)
-    return np.stack([first & second, second & third, third & first], axis=1)
+    faces = [np.flatnonzero(both) for both in (first & second, second & third, third & first)]
+    return np.concatenate(faces), np.repeat(np.arange(3), [len(each) for each in faces])
 
 
 def _centre_from(edge: FloatArray) -> FloatArray:
