@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 from dualcolor.core.errors import MeshError, SettingsError
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
@@ -303,6 +304,17 @@ def test_nothing_crosses_anything_on_the_first_layer(shield, brim, placement):
     tower = [shapely.LinearRing(loop) for loop in loops_of(paths, Feature.TOWER)]
     if placement == "auto":
         assert min(ring.distance(on_bed.shadow) for ring in tower) >= settings.tower_distance
+
+
+def test_the_shadow_covers_all_layers_with_their_waves_and_hardly_more():
+    oval = shapely.affinity.scale(shapely.Point(0, 0).buffer(10, quad_segs=50), 1.0, 0.6)
+    regions = np.array(
+        [shapely.affinity.rotate(oval, turn) for turn in np.linspace(0, 150, 200)] + [oval.exterior.buffer(1)]
+    )
+    covered = shadow(regions, SETTINGS)
+    whole, wave = shapely.union_all(regions), SETTINGS.wave_depth_max / 2
+    assert covered.covers(shapely.buffer(whole, wave)) and not covered.interiors
+    assert shapely.buffer(whole, wave + 0.31).covers(covered)
 
 
 # Skirt

@@ -20,8 +20,10 @@ from .shield import shield_area, shield_paths
 from .skirt import skirt_paths
 from .tower import tower_brim, tower_loops, tower_paths
 
-_SHADOW_TOLERANCE_MM = 0.2
-_LARGEST = 16  # shapes that cover most of the others
+# A shadow is wider by these, and what sticks out by no more may be missing from it.
+_SIMPLIFY_MM = 0.1
+_SLIVER_MM = 0.1
+_SPREAD = 64  # shapes that cover most of the others
 
 
 @dataclass(frozen=True)
@@ -44,17 +46,24 @@ def shadow(regions: NDArray[np.object_], settings: PrintSettings) -> shapely.Geo
         regions: (R,) Polygons or MultiPolygons, cross-sections.
         settings: wave_depth_max is used.
     """
-    rings = exterior_rings(shapely.simplify(regions, _SHADOW_TOLERANCE_MM, preserve_topology=False))
-    # Waves stand out by half their depth, and simplifying may have cut off as much as its tolerance.
-    margin = settings.wave_depth_max / 2 + _SHADOW_TOLERANCE_MM
-    grown = shapely.buffer(shapely.polygons(rings), margin, quad_segs=2)
-    largest = np.argsort(-shapely.area(grown), kind="stable")
-    covered = shapely.union_all(grown[largest[:_LARGEST]])
-    shapely.prepare(covered)
-    # Most layers lie within the largest ones, which is told a hundred times faster than they are united.
-    rest = grown[largest[_LARGEST:]]
-    covered = shapely.union_all([covered, *rest[~shapely.contains_properly(covered, rest)]])
-    return shapely.union_all(shapely.polygons(exterior_rings(np.array([covered]))))
+    whole = shapely.polygons(exterior_rings(regions))
+    shapes = shapely.simplify(whole, _SIMPLIFY_MM, preserve_topology=False)
+    shapes = np.where(shapely.is_valid(shapes), shapes, whole)
+    # Most layers lie within some spread over the height, but for slivers; that is told faster than they are united.
+    some = np.arange(len(shapes)) % max(1, -(-len(shapes) // _SPREAD)) == 0
+    covered = _filled(shapely.union_all(shapes[some]))
+    nearly = shapely.buffer(covered, _SLIVER_MM, quad_segs=1)
+    shapely.prepare(nearly)
+    rest = shapes[~some]
+    covered = _filled(shapely.union_all([covered, *rest[~shapely.contains_properly(nearly, rest)]]))
+    # Waves stand out by half their depth.
+    margin = settings.wave_depth_max / 2 + _SIMPLIFY_MM + _SLIVER_MM
+    return _filled(shapely.buffer(covered, margin, quad_segs=2))
+
+
+def _filled(shape: shapely.Geometry) -> shapely.Geometry:
+    """A shape without its holes."""
+    return shapely.union_all(shapely.polygons(exterior_rings(np.array([shape]))))
 
 
 def ground(shade: shapely.Geometry, regions: NDArray[np.object_], walls: Paths, settings: PrintSettings) -> Ground:
