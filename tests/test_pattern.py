@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.mesh import triangulate
-from dualcolor.core.pattern.contours import contours, curvature, filtered, gaussian, long_enough
+from dualcolor.core.pattern.along_loops import filtered, gaussian
+from dualcolor.core.pattern.contours import contours, long_enough
 from dualcolor.core.pattern.grid import PointGrid, nearest
 from dualcolor.core.pattern.modulation import faded, layer_sign, shape, supported, wave_reach
 from dualcolor.core.pattern.quality import phase_at, seam_errors
@@ -71,28 +72,20 @@ def test_contour_points_carry_their_own_place_on_the_surface():
 def test_detail_finer_than_the_wave_is_filtered_and_the_shape_stays():
     turn = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
     start = np.array([0, 2000])
-    ripple = np.column_stack([np.cos(turn), np.sin(turn)]) * (10 + 0.2 * np.cos(105 * turn))[:, None]
+    ripple = np.stack([np.cos(turn), np.sin(turn)]) * (10 + 0.2 * np.cos(105 * turn))
     kernel = gaussian(0.3 / (2 * np.pi * 10 / 2000))
-    radius = np.hypot(*filtered(ripple, start, kernel).T)
+    radius = np.hypot(*filtered(ripple, start, kernel))
     assert np.ptp(radius) / 0.4 < 0.02  # ripples of 0.6 mm, half the wavelength
     assert radius.mean() == pytest.approx(10, abs=0.01)
 
 
 def test_filter_wraps_around_each_loop_and_keeps_the_mean():
-    values = np.arange(10.0)[:, None]
+    values = np.arange(10.0)
     start = np.array([0, 4, 10])
     smooth = filtered(values, start, np.array([0.25, 0.5, 0.25]))
-    assert smooth[0, 0] == pytest.approx(0.25 * 3 + 0.5 * 0 + 0.25 * 1)
-    assert smooth[9, 0] == pytest.approx(0.25 * 8 + 0.5 * 9 + 0.25 * 4)
+    assert smooth[0] == pytest.approx(0.25 * 3 + 0.5 * 0 + 0.25 * 1)
+    assert smooth[9] == pytest.approx(0.25 * 8 + 0.5 * 9 + 0.25 * 4)
     assert smooth[:4].mean() == pytest.approx(values[:4].mean())
-
-
-def test_curvature_of_circles():
-    turn = np.linspace(0, 2 * np.pi, 200, endpoint=False)
-    circle = 5 * np.column_stack([np.cos(turn), np.sin(turn)])
-    start = np.array([0, 200])
-    assert curvature(circle, start) == pytest.approx(0.2, rel=1e-3)
-    assert curvature(circle[::-1], start) == pytest.approx(-0.2, rel=1e-3)
 
 
 def test_places_are_found_again_on_every_loop():

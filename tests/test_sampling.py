@@ -192,15 +192,8 @@ def test_a_tip_sharper_than_the_line_does_not_fold():
         assert shapely.is_simple(rings).all()
 
 
-@pytest.mark.parametrize(("name", "height"), CORPUS.items())
-def test_spacing_is_bounded_and_no_waved_outline_crosses_itself_or_another(data, name, height):
-    from dualcolor.tests.real_models import obj_model
-
-    lines = lines_of(obj_model(data / "meshes" / name, height))
-    best = optimized_samples(lines, Projector(lines, 0.6), DEFAULT)
-    assert_bounds(lines, best)
-    tone, upright = np.full(len(lines.arc), 0.5), np.zeros(len(lines.arc))
-    outlines = waved(lines, best, tone, *modulated(lines, tone, upright, DEFAULT), DEFAULT)
+def crossing(outlines):
+    """The layers on which waved outlines cross themselves or one another, at zero tolerance."""
     count = np.diff(outlines.start)
     loop = np.repeat(np.arange(len(count)), count)
     # A speck of two points is a stroke, not a ring.
@@ -209,7 +202,22 @@ def test_spacing_is_bounded_and_no_waved_outline_crosses_itself_or_another(data,
     rings = shapely.linearrings(outlines.points[ring], indices=number)
     closed, number = shapely.get_coordinates(rings, return_index=True)
     together = shapely.multilinestrings(shapely.linestrings(closed, indices=number), indices=outlines.layer[count > 2])
-    assert shapely.is_simple(together).all()
+    return np.unique(outlines.layer[count > 2])[~shapely.is_simple(together)].tolist()
+
+
+@pytest.mark.parametrize(("name", "height"), CORPUS.items())
+def test_spacing_is_bounded_and_no_waved_outline_crosses_itself_or_another(data, name, height):
+    """With both samplings, where both colours stand alike and where one is set back by all that it can be."""
+    from dualcolor.tests.real_models import obj_model
+
+    lines = lines_of(obj_model(data / "meshes" / name, height))
+    plain, best, _ = both(lines)
+    assert_bounds(lines, best)
+    unhindered = DEFAULT.changed({"max_unsupported": 1.0})
+    for samples, tone in ((plain, 0.5), (best, 0.5), (plain, 0.0), (best, 1.0)):
+        tones = np.full(len(lines.arc), tone)
+        shaped = modulated(lines, tones, np.zeros(len(tones)), unhindered)
+        assert crossing(waved(lines, samples, tones, *shaped, DEFAULT)) == [], (samples is best, tone)
 
 
 def test_seams_go_where_they_matter_less(data):

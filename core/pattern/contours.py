@@ -13,10 +13,12 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import Outlines, following, preceding, starts, sums
+from ..slicing.outlines import Outlines, starts, sums
 from ..slicing.planes import line_widths
+from .along_loops import dot, filtered, gaussian, pairs, previous, rows, steps
 from .chunks import in_threads
 from .clearance import gaps
+from .inset import bend_room, inset
 
 # Points along a contour: at least this many a wavelength.
 POINTS_PER_WAVELENGTH = 6
@@ -24,10 +26,10 @@ POINTS_PER_WAVELENGTH = 6
 FILTER_SIGMA = 0.25
 # Thinner lines than this share of the extrusion width do not stick; a thinner wall gets overlapping lines.
 LEAST_WIDTH = 0.5
-# Walls nearer to each other than twice this carry no wave: clearance is measured between points, not lines, mm.
+# So much is kept clear between walls, mm: what is printed is within the chord tolerance of the waves.
 NARROW_GAP = 0.02
-# Where the line would fold back by its inset, at tips sharper than the line, the inset is halved, at most so often.
-UNFOLDINGS, UNFOLDED = 5, 0.2
+# With so much air before it a wall is in no crease, mm.
+OPEN_AIR = 1.0
 # So many layers are treated at a time, in threads: their arrays stay in the cache.
 LAYERS_AT_ONCE = 16
 
@@ -49,8 +51,8 @@ class Contours:
         face: (N,) int64, the face of the mesh at each point.
         carried: (N, 3) u, v and vertex tone at each point.
         width: (N,) mm, line width: the one of the layer, less where the wall is thin.
-        room_inside: (N,) mm, how far the line may be moved inwards without meeting anything.
-        room_outside: (N,) mm, the same outwards.
+        room_inside: (N,) mm, how far the line may be moved inwards without meeting anything; no more than is used.
+        room_outside: (N,) mm, the same outwards; with `hide_seams` up to `OPEN_AIR`.
     """
 
     points: FloatArray
@@ -135,135 +137,89 @@ def contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings
 
 def _contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings) -> Contours:
     """The contours of a few layers; nothing in them depends on other layers."""
-    step = settings.wavelength / POINTS_PER_WAVELENGTH
-    points, start, face, carried = resampled(outlines, step)
+    points, start, face, carried = resampled(outlines, settings.wavelength / POINTS_PER_WAVELENGTH)
     kernel = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH)
     smooth = filtered(points, start, kernel)
     normal = _normals(smooth, start, kernel)
-    loop_layer = outlines.layer
-    widest = line_widths(np.repeat(loop_layer, np.diff(start)), settings)
-    reach = 2 * float(widest.max(initial=0.0)) + settings.wave_depth_max + 2 * settings.offset_max
-    thickness, clearance = gaps(smooth, normal, start, loop_layer, reach)
+    widest = line_widths(outlines.layer, settings)
+    inwards, outwards = _reach(settings)
+    most_inside = 2 * (float(widest.max(initial=0.0)) + inwards)
+    most_outside = 2 * (outwards + NARROW_GAP) if outwards else 0.0
+    thickness, clearance = gaps(smooth, normal, start, outlines.layer, most_inside, most_outside)
+    widest = np.repeat(widest, np.diff(start))
     width = np.clip(thickness / 2, LEAST_WIDTH * widest, widest)
-    base, unbent = _inset(smooth, normal, np.minimum(width, thickness / 2) / 2, start, kernel)
+    base, unbent = inset(smooth, normal, np.minimum(width, thickness / 2) / 2, start, kernel)
+    room_inside = np.minimum(np.maximum(thickness / 2 - width, 0.0), bend_room(base, -normal, start, inwards))
+    room_outside = clearance
+    if outwards:
+        room_outside = np.minimum(np.maximum(clearance / 2 - NARROW_GAP, 0.0), bend_room(base, normal, start, outwards))
     arc, arc_start = _arc_length(base, start)
-    turn = curvature(base, start)
-    inside, outside = np.maximum(thickness / 2 - width, 0), np.maximum(clearance / 2 - NARROW_GAP, 0)
     return Contours(
-        points=base,
-        normal=normal,
+        points=pairs(base),
+        normal=pairs(normal),
         start=start,
-        layer=loop_layer,
+        layer=outlines.layer,
         polygon=loop_polygon,
         arc=arc,
         arc_start=arc_start,
         face=face,
         carried=carried,
         width=width,
-        room_inside=unbent * np.minimum(inside, _bend_room(turn, start, kernel)),
-        room_outside=unbent * np.minimum(outside, _bend_room(-turn, start, kernel)),
+        room_inside=unbent * room_inside,
+        room_outside=unbent * room_outside,
     )
+
+
+def _reach(settings: PrintSettings) -> tuple[float, float]:
+    """How far room is looked for inwards and outwards, mm: as far as anything moves a line."""
+    wave = 0.0 if settings.pattern == "offset" else settings.wave_depth_max / 2
+    solid = 0.0 if settings.solid_regions == "none" else settings.solid_set_back
+    air = OPEN_AIR if wave and settings.hide_seams else 0.0
+    return wave + max(settings.offset_max, solid), max(wave, air)
 
 
 def resampled(outlines: Outlines, step: float) -> tuple[FloatArray, IntArray, IntArray, FloatArray]:
     """Evenly spaced points on each outline, no farther apart than `step` mm, at least eight a loop.
 
     Returns:
-        points (N, 2), start (M + 1,), face (N,) and the carried values (N, 3) there.
+        points (2, N), start (M + 1,), face (N,) and the carried values (N, 3) there.
     """
-    along = outlines.ends - outlines.points
-    length = np.hypot(along[:, 0], along[:, 1])
+    corner = rows(outlines.points)
+    along = steps(corner, outlines.start)
+    length = np.sqrt(dot(along, along))
     loop_length = sums(length, outlines.start)
     count = np.maximum(np.ceil(loop_length / step), 8).astype(np.int64)
     start = starts(count)
-    total = np.concatenate([[0.0], np.cumsum(length)])
-    loop_begin = total[outlines.start[:-1]]
-    loop = np.repeat(np.arange(len(count)), count)
-    place = loop_begin[loop] + (np.arange(start[-1]) - start[loop]) * (loop_length / count)[loop]
-    segment = np.clip(
-        np.searchsorted(total, place, side="right") - 1, outlines.start[loop], outlines.start[loop + 1] - 1
-    )
-    share = np.clip((place - total[segment]) / np.maximum(length[segment], 1e-12), 0, 1)[:, None]
-    # `take` is several times as fast as indexing where each row holds a few numbers.
-    points = outlines.points.take(segment, axis=0) + share * along.take(segment, axis=0)
+    # Where each segment ends, in spacings from its loop's beginning: that many points lie before it.
+    a_segment = np.repeat(count / np.maximum(loop_length, 1e-9), outlines.count)
+    end = np.cumsum(length)
+    end = (end - np.repeat(end[outlines.start[:-1]] - length[outlines.start[:-1]], outlines.count)) * a_segment
+    before = np.minimum(np.ceil(end), np.repeat(count, outlines.count)).astype(np.int64)
+    before[outlines.start[1:] - 1] = count
+    before += np.repeat(start[:-1], outlines.count)
+    segment = np.repeat(np.arange(len(length)), np.diff(before, prepend=0))
+    number = np.arange(start[-1]) - np.repeat(start[:-1], count)
+    spacings = np.maximum(length * a_segment, 1e-12)
+    share = np.clip(1 - (end[segment] - number) / spacings[segment], 0, 1)
+    points = corner.take(segment, axis=1) + share * along.take(segment, axis=1)
     ends = outlines.carried.take(segment, axis=0)
-    return points, start, outlines.face[segment], ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
-
-
-def gaussian(sigma: float) -> FloatArray:
-    """Weights of a Gaussian with this standard deviation (in samples), cut at three of them; they sum to 1."""
-    reach = int(np.ceil(3 * sigma))
-    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) / max(sigma, 1e-9)) ** 2)
-    return np.asarray(weight / weight.sum())
-
-
-def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
-    """Convolve values (N, …) around each closed loop with a symmetric kernel of odd length."""
-    reach, count = len(kernel) // 2, np.diff(start)
-    padded_start = starts(count + 2 * reach)
-    loop = np.repeat(np.arange(len(count)), count + 2 * reach)
-    offset = np.arange(padded_start[-1]) - padded_start[loop] - reach
-    padded = values.take(start[loop] + offset % np.maximum(count[loop], 1), axis=0)
-    centre = np.arange(start[-1]) + reach * (1 + 2 * np.repeat(np.arange(len(count)), count))
-    size = len(padded) - 2 * reach
-    total = kernel[0] * padded[:size]
-    weighted = np.empty_like(total)
-    for shift in range(1, len(kernel)):
-        total += np.multiply(padded[shift : shift + size], kernel[shift], out=weighted)
-    return np.asarray(total.take(centre - reach, axis=0))
+    return points, start, outlines.face[segment], ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])
 
 
 def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
     """Outward unit normals, smoothed once more so that neighbouring waves do not fan out at a corner."""
-    along = points.take(following(start), axis=0) - points.take(preceding(start), axis=0)
-    normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    normal /= np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)[:, None]
-    normal = filtered(normal, start, kernel)
-    return np.asarray(normal / np.maximum(np.hypot(normal[:, 0], normal[:, 1]), 1e-12)[:, None])
+    step = steps(points, start)
+    x, y = _unit(step + previous(step, start))
+    return _unit(filtered(np.stack([y, -x]), start, kernel))
 
 
-def curvature(points: FloatArray, start: IntArray) -> FloatArray:
-    """(N,) 1/mm, signed: positive where a counter-clockwise line bends to the left (is convex)."""
-    ahead = points.take(following(start), axis=0) - points
-    behind = ahead.take(preceding(start), axis=0)
-    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
-    dot = (ahead * behind).sum(axis=1)
-    length = (np.hypot(ahead[:, 0], ahead[:, 1]) + np.hypot(behind[:, 0], behind[:, 1])) / 2
-    return np.asarray(np.arctan2(cross, dot) / np.maximum(length, 1e-9))
-
-
-def _inset(
-    smooth: FloatArray, normal: FloatArray, depth: FloatArray, start: IntArray, kernel: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """The outline moved inwards by `depth` (N,) mm, by less where it would turn back on itself, and 0 to 1 there.
-
-    The second is how much room for a wave such a tip leaves: none where the inset had to be halved.
-    """
-    ahead = following(start)
-    along = smooth.take(ahead, axis=0) - smooth
-    least = UNFOLDED * np.einsum("ij,ij->i", along, along)
-    base, wanted = smooth - normal * depth[:, None], depth
-    for _ in range(UNFOLDINGS):
-        folded = np.einsum("ij,ij->i", base.take(ahead, axis=0) - base, along) < least
-        if not folded.any():
-            break
-        ends = folded.astype(float)
-        ends[ahead] = np.maximum(ends[ahead], folded)
-        depth = depth * (1 - 0.5 * np.minimum(2 * len(kernel) * filtered(ends, start, kernel), 1.0))
-        base = smooth - normal * depth[:, None]
-    return base, np.clip(2 * depth / np.maximum(wanted, 1e-9) - 1, 0.0, 1.0)
-
-
-def _bend_room(turn: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
-    """How far a line may be moved towards the inside of its bends before it folds, mm."""
-    bend = filtered(np.maximum(turn, 0.0), start, kernel)
-    return np.asarray(0.7 / np.maximum(np.maximum(bend, turn), 1e-3))
+def _unit(vectors: FloatArray) -> FloatArray:
+    return np.asarray(vectors / np.maximum(np.sqrt(dot(vectors, vectors)), 1e-12))
 
 
 def _arc_length(points: FloatArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
-    step = points.take(following(start), axis=0) - points
-    length = np.hypot(step[:, 0], step[:, 1])
-    total = np.concatenate([[0.0], np.cumsum(length)])
+    step = steps(points, start)
+    total = np.concatenate([[0.0], np.cumsum(np.sqrt(dot(step, step)))])
     return total[:-1], total[start]
 
 

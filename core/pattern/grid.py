@@ -7,6 +7,9 @@ import numpy as np
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import bounds, ranges, starts
 
+# A table of all cells is kept where there are at most so many a point.
+CELLS_A_POINT = 64
+
 
 class PointGrid:
     """Points of all layers sorted into square cells; neighbours are looked for within one layer only."""
@@ -17,16 +20,20 @@ class PointGrid:
         low, high = bounds(points) if len(points) else np.zeros((2, 2))
         self.low = low - 3 * cell
         self.size = np.ceil((high - self.low) / cell).astype(np.int64) + 4
+        self.bottom = int(layer.min(initial=0))
         key = self._key(self._column(points), layer)
-        self.order = np.argsort(key, kind="stable")
+        cells = int(layer.max(initial=0) + 1 - self.bottom) * int(self.size.prod())
+        self.order = np.argsort(key.astype(np.min_scalar_type(cells)), kind="stable")
         self.keys = key[self.order]
+        # Where each cell's points begin, unless nearly all cells are empty.
+        self.begin = starts(np.bincount(key, minlength=cells)) if cells < CELLS_A_POINT * len(points) else None
 
     def _column(self, points: FloatArray) -> IntArray:
         cell = np.floor((points - self.low) / self.cell).astype(np.int64)
         return np.asarray(np.clip(cell, 2, self.size - 3))
 
     def _key(self, column: IntArray, layer: IntArray) -> IntArray:
-        return np.asarray((layer * self.size[1] + column[:, 1]) * self.size[0] + column[:, 0])
+        return np.asarray(((layer - self.bottom) * self.size[1] + column[:, 1]) * self.size[0] + column[:, 0])
 
     def candidates(self, query: FloatArray, layer: IntArray, rings: int = 1) -> tuple[IntArray, IntArray]:
         """All points in the cells around each query point: those nearer than `rings` cells, and some more.
@@ -42,8 +49,13 @@ class PointGrid:
         key = self._key(self._column(query), layer)
         # The cells of a row are one run of the sorted keys.
         row = key[:, None] + np.arange(-rings, rings + 1) * self.size[0]
-        first = np.searchsorted(self.keys, row - rings, side="left")
-        count = np.searchsorted(self.keys, row + rings, side="right") - first
+        if self.begin is None:
+            first = np.searchsorted(self.keys, row - rings, side="left")
+            count = np.searchsorted(self.keys, row + rings, side="right") - first
+        else:
+            cells = len(self.begin) - 1
+            first = self.begin[np.clip(row - rings, 0, cells)]
+            count = self.begin[np.clip(row + rings + 1, 0, cells)] - first
         found = self.order[ranges(first.ravel(), count.ravel())]
         return found, starts(count.sum(axis=1))
 

@@ -15,12 +15,10 @@ from ..model import FloatArray, ToneImage, TriangleMesh
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import build_pyramids
-from .contours import NARROW_GAP, Contours
+from .contours import OPEN_AIR, Contours
 
 # Of a seam so much is still seen where all is of one colour, and in the deepest crease.
 HIDDEN = 0.2
-# With so much air before it a wall is in no crease.
-OPEN_AIR_MM = 1.0
 
 
 def uses_visibility(mesh: TriangleMesh, settings: PrintSettings) -> bool:
@@ -53,7 +51,7 @@ def seam_visibility(
     if settings.front:
         seen = seen * front_visibility(lines.normal, settings.front_angle)
     if settings.hide_seams and tone is not None:
-        seen = seen * tone_visibility(tone) * crease_visibility(lines, settings)
+        seen = seen * tone_visibility(tone) * crease_visibility(lines)
     return np.asarray(seen)
 
 
@@ -73,11 +71,10 @@ def tone_visibility(tone: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(2 * np.minimum(tone, 1 - tone), HIDDEN))
 
 
-def crease_visibility(lines: Contours, settings: PrintSettings) -> FloatArray:
+def crease_visibility(lines: Contours) -> FloatArray:
     """(N,) less where the line has less room outwards: another wall is near, or the crease's own other side."""
-    # Half of how far air is looked for, less what is kept clear of it.
-    open_air = settings.extrusion_width + settings.wave_depth_max / 2 + settings.offset_max - 2 * NARROW_GAP
-    return np.asarray(np.clip(lines.room_outside / min(open_air, OPEN_AIR_MM), HIDDEN, 1.0))
+    # Squared: a right angle, whose deepest points have half of the room, hides two thirds of a seam.
+    return np.asarray(np.clip((lines.room_outside / OPEN_AIR) ** 2, HIDDEN, 1.0))
 
 
 def painted_visibility(

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
+from .along_loops import filtered
 from .chunks import in_chunks
-from .contours import POINTS_PER_WAVELENGTH, Contours, filtered
+from .contours import POINTS_PER_WAVELENGTH, Contours
 from .modulation import faded, layer_is_black, layer_shift, layer_sign, shape, supported
 from .sampling import Samples
 

@@ -1,0 +1,89 @@
+"""Lines moved away from an outline: how far they go before they fold over themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..model import FloatArray, IntArray
+from .along_loops import cross, dot, filtered, previous, steps
+
+# Where the line would fold back by its inset, at tips sharper than the line, the inset is halved, at most so often.
+UNFOLDINGS, UNFOLDED = 5, 0.2
+# In a bend a line may be moved by this share of the way on which its points meet, and ends so far before, mm: a tip is
+# no thinner than twice this, or the polyline within the chord tolerance of it would cross itself.
+BEND_SHARE, TIP_GAP = 0.95, 0.06
+# Of two rays that cross, both end before it where one comes to it after at least this share of the other's way.
+NEARER = 0.9
+
+
+def inset(
+    points: FloatArray, normal: FloatArray, depth: FloatArray, start: IntArray, kernel: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """An outline moved inwards, by less where it would turn back on itself.
+
+    Args:
+        points: (2, N) mm, of closed loops.
+        normal: (2, N) unit vectors out of them.
+        depth: (N,) mm.
+        start: (M + 1,) offsets of the loops.
+        kernel: low-pass, by which what is less at a fold goes over into what is beside it.
+
+    Returns:
+        (2, N) mm, and (N,) 0 to 1, how much room for a wave such a tip leaves: none where the inset had to be halved.
+    """
+    along = steps(points, start)
+    least = UNFOLDED * dot(along, along)
+    base, wanted = points - normal * depth, depth
+    for _ in range(UNFOLDINGS):
+        folded = np.where(dot(steps(base, start), along) < least, 1.0, 0.0)
+        if not folded.any():
+            break
+        ends = np.maximum(folded, previous(folded, start))
+        depth = depth * (1 - 0.5 * np.minimum(2 * len(kernel) * filtered(ends, start, kernel), 1.0))
+        base = points - normal * depth
+    return base, np.clip(2 * depth / np.maximum(wanted, 1e-9) - 1, 0.0, 1.0)
+
+
+def bend_room(points: FloatArray, towards: FloatArray, start: IntArray, reach: float) -> FloatArray:
+    """How far points of lines may be moved before they meet others that are moved too, on the inside of a bend.
+
+    Each moves on a ray; of two rays that cross, the one on which the crossing is farther away ends before it.
+
+    Args:
+        points: (2, N) mm, of closed loops.
+        towards: (2, N) unit vectors, which way they move.
+        start: (M + 1,) offsets of the loops.
+        reach: mm, as far as anything is moved.
+
+    Returns:
+        (N,) mm, at most `reach`.
+    """
+    room, step = np.full(points.shape[1], reach), steps(points, start)
+    square, longest = dot(step, step), (reach + TIP_GAP) / BEND_SHARE
+    sharp = np.flatnonzero(dot(steps(towards, start), step) * -longest > square)
+    if not len(sharp):
+        return room
+    # Points farther apart than twice the length of their rays are out of each other's reach.
+    span = np.arange(int(np.ceil(2 * longest / np.sqrt(square.max()))))
+    near = np.zeros(points.shape[1], dtype=bool)
+    near[_along(sharp[:, None], -span, start)] = True
+    this = np.flatnonzero(near)
+    other = _along(this[:, None], span + 1, start).ravel()
+    this = np.repeat(this, len(span))
+    own, others = towards.take(this, axis=1), towards.take(other, axis=1)
+    apart, turn = points.take(other, axis=1) - points.take(this, axis=1), cross(own, others)
+    turn[np.abs(turn) < 1e-9] = np.inf
+    way, others_way = cross(apart, others) / turn, cross(apart, own) / turn
+    meet = np.flatnonzero((way > 0) & (others_way > 0))
+    this, other, way, others_way = this[meet], other[meet], way[meet], others_way[meet]
+    for index, own_way, beside in ((this, way, others_way), (other, others_way, way)):
+        last = own_way >= NEARER * beside
+        np.minimum.at(room, index[last], np.maximum(BEND_SHARE * own_way[last] - TIP_GAP, 0.0))
+    return room
+
+
+def _along(point: IntArray, step: IntArray, start: IntArray) -> IntArray:
+    """(Q, K) points that many steps farther along their loops than points (Q, 1)."""
+    loop = np.searchsorted(start, point, side="right") - 1
+    begin = start[loop]
+    return np.asarray(begin + (point - begin + step) % (start[loop + 1] - begin))
