@@ -59,7 +59,9 @@ def _taken_over(tail: FloatArray, head: FloatArray, source: Outlines) -> tuple[I
     parent = equal_segments(tail, head, tails, heads)
     pieces = np.flatnonzero(parent < 0)
     if len(pieces):
-        gone = np.setdiff1d(np.arange(len(tails)), parent)  # what is still whole has no pieces
+        whole = np.zeros(len(tails), dtype=bool)
+        whole[parent[parent >= 0]] = True
+        gone = np.flatnonzero(~whole)  # what is still whole has no pieces
         tree = shapely.STRtree(shapely.linestrings(np.stack([tails[gone], heads[gone]], axis=1)))
         parent[pieces] = gone[tree.nearest(shapely.points((tail[pieces] + head[pieces]) / 2))]
     start, end = tails[parent], heads[parent]
@@ -92,10 +94,13 @@ def equal_segments(tail: FloatArray, head: FloatArray, tails: FloatArray, heads:
 
 
 def _scattered(points: FloatArray) -> NDArray[np.uint64]:
-    """(N,) numbers that tell points (N, 2) apart, but for rare chances."""
+    """(N,) numbers that tell points (N, 2) apart, and sums of two of them pairs, but for rare chances."""
     bits = (points + 0.0).view(np.uint64) * _SCATTER  # a negative zero is a zero
     mixed: NDArray[np.uint64] = (bits[:, 0] ^ (bits[:, 1] >> np.uint64(29))) * _SCATTER[0]
-    return mixed
+    # Points that mirror each other differ in a single bit up to here, and their differences would cancel out.
+    for shift, factor in zip(np.array([33, 29], dtype=np.uint64), _SCATTER, strict=True):
+        mixed = (mixed ^ (mixed >> shift)) * factor
+    return mixed ^ (mixed >> np.uint64(32))
 
 
 def _interpolated(ends: FloatArray, share: FloatArray) -> FloatArray:
