@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import shapely
+from dualcolor.core.fill.gap_fill import gap_paths
 from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
@@ -88,6 +89,17 @@ def test_a_neck_too_narrow_for_a_wall_gets_one_line_along_its_middle(neck):
     middle = np.abs(paths.points[points, 1]) < 6.5
     # As wide as the neck between the walls' edges, and 0.16 mm into each of them, where the wave leaves pockets.
     assert np.allclose(paths.width[points][middle], min(neck - WIDTH + 0.32, 0.6), atol=0.02)
+
+
+def test_lines_in_gaps_are_as_long_whatever_lies_above():
+    finger = shapely.union(square(10), shapely.box(-0.3, 0, 0.3, 12))
+    alone, stacked = (
+        gap_paths([found], np.arange(len(found)), np.full(len(found), WIDTH))
+        for found in (shapes([finger - square(9.9)]), shapes([finger - square(9.9)] * 3))
+    )
+    assert len(stacked.layer) == 3 * len(alone.layer) > 0
+    assert np.allclose(stacked.points, np.tile(alone.points, (3, 1)))
+    assert alone.points[:, 1].max() == pytest.approx(12.0)
 
 
 def test_what_walls_fill_has_no_lines_in_gaps():

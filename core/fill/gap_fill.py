@@ -19,6 +19,7 @@ from .walls import offset
 _INTO_WAVES, _INTO_WALL = 0.4, 0.1
 _SMALLEST_MM2 = 0.1
 _LOST = 0.5  # line widths of length that walls lose for other reasons
+_NEAR = 1.5  # line widths: where all lies nearer to the inner line, a gap would be too short for a line of its own
 _CORNER = 0.1  # line widths: corners of walls are no gaps
 _SAMPLE = 0.5  # line widths between the boundary's points that the middle is found from
 _SHORTEST = 1.0  # line widths
@@ -47,14 +48,14 @@ def gaps_between(walls: list[Shapes], width_mm: FloatArray) -> list[Shapes]:
 def _gaps(outer: Shapes, inner: Shapes, width_mm: FloatArray, into_wall: float) -> tuple[Shapes]:
     found = np.full(len(outer), shapely.Polygon(), dtype=object)
     rows = np.flatnonzero(_lose_length(outer, inner, width_mm))
+    near = shapely.buffer(inner[rows], _NEAR * width_mm[rows], quad_segs=2)
+    shapely.prepare(near)
+    rows = rows[~shapely.contains_properly(near, outer[rows])]
     width = width_mm[rows]
     reach = (0.5 - into_wall) * width
     # Strands end round, so what a wall takes at a sharp corner is round too.
-    inside, taken = offset(outer[rows], -reach), shapely.buffer(inner[rows], width - reach, quad_segs=2)
-    some = shapely.area(inside) - shapely.area(taken) > _SMALLEST_MM2
-    rows, inside, taken, width = rows[some], inside[some], taken[some], width[some]
-    walls = shapely.buffer(taken, _CORNER * width, quad_segs=2)
-    parts, owner = shapely.get_parts(shapely.difference(inside, walls), return_index=True)
+    walls = shapely.buffer(inner[rows], (1 + _CORNER) * width - reach, quad_segs=2)
+    parts, owner = shapely.get_parts(shapely.difference(offset(outer[rows], -reach), walls), return_index=True)
     large = (shapely.area(parts) > _SMALLEST_MM2) & (shapely.get_dimensions(parts) == 2)
     if large.any():
         filled, group = np.unique(owner[large], return_inverse=True)
@@ -104,7 +105,7 @@ def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray)
     points, line = shapely.get_coordinates(lines, return_index=True)
     half = shapely.distance(shapely.points(points), edges[part[line]])
     wide = np.clip(2 * half, _NARROWEST * width[line], _WIDEST * width[line])
-    points, wide, line = _to_the_ends(points, wide, line, gap=parts[part])
+    points, wide, line = _to_the_ends(points, wide, line, parts, part)
     return Paths(
         points=points,
         start=starts(np.bincount(line, minlength=len(lines))),
@@ -136,7 +137,7 @@ def _triangles(points: Shapes) -> Shapes:
 
 
 def _to_the_ends(
-    points: FloatArray, wide: FloatArray, line: IntArray, gap: Shapes
+    points: FloatArray, wide: FloatArray, line: IntArray, gaps: Shapes, gap: IntArray
 ) -> tuple[FloatArray, FloatArray, IntArray]:
     """Lines made longer straight on, up to the ends of their gaps: the middle is found only between two sides.
 
@@ -144,29 +145,33 @@ def _to_the_ends(
         points: (N, 2) mm.
         wide: (N,) mm.
         line: (N,) the line of each point.
+        gaps: (P,) Polygon.
         gap: (L,) the gap of each line.
     """
     first = np.flatnonzero(np.diff(line, prepend=-1))
     last = np.append(first[1:], len(line)) - 1
     # Last points come first: where one is put in at the place of the next line's first one, it has to stand before it.
     ends, before = np.concatenate([last, first]), np.concatenate([last - 1, first + 1])
-    _, place, count = np.unique(np.round(points[ends] / _ON_EDGE_MM), axis=0, return_inverse=True, return_counts=True)
-    forked = count[place.ravel()] > 1
+    where = np.concatenate([last + 1, first])
+    place = np.column_stack([gap[line[ends]], np.round(points[ends] / _ON_EDGE_MM)])
+    _, place, count = np.unique(place, axis=0, return_inverse=True, return_counts=True)
+    free = count[place.ravel()] == 1  # no fork
+    ends, before, where = ends[free], before[free], where[free]
     away = points[ends] - points[before]
     away *= (2 * wide[ends] / np.maximum(np.hypot(*away.T), _ON_EDGE_MM))[:, None]
     ahead = shapely.linestrings(np.stack([points[ends], points[ends] + away], axis=1))
-    reached = shapely.intersection(ahead, gap[line[ends]])
+    reached = shapely.intersection(ahead, gaps[gap[line[ends]]])
     on = shapely.get_parts(reached, return_index=True)
     touching = shapely.distance(on[0], shapely.points(points[ends[on[1]]])) < 2 * _ON_EDGE_MM
     length = np.zeros(len(ends))
     np.maximum.at(length, on[1][touching], shapely.length(on[0][touching]))
-    longer = (length > _SIMPLIFY_MM) & ~forked
+    longer = length > _SIMPLIFY_MM
     tips = points[ends] + away * (length / np.maximum(np.hypot(*away.T), _ON_EDGE_MM))[:, None]
-    where = np.concatenate([last + 1, first])[longer]
+    ends, where = ends[longer], where[longer]
     return (
         np.insert(points, where, tips[longer], axis=0),
-        np.insert(wide, where, wide[ends][longer]),
-        np.insert(line, where, line[ends][longer]),
+        np.insert(wide, where, wide[ends]),
+        np.insert(line, where, line[ends]),
     )
 
 
@@ -195,4 +200,4 @@ def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
         order = np.argsort(part, kind="stable")
         found, group = np.unique(part[order], return_inverse=True)
         middle[found] = shapely.multilinestrings(pieces[order], indices=group)
-    return shapely.simplify(shapely.line_merge(middle), _SIMPLIFY_MM), edge
+    return shapely.simplify(shapely.line_merge(middle), _SIMPLIFY_MM, preserve_topology=False), edge
