@@ -225,7 +225,10 @@ def _within_tolerance(
 
 def valley_lines(lines: Contours, depth: FloatArray, set_back: FloatArray) -> FloatArray:
     """(N, 2) mm, the line through the valleys of the wave: the innermost that the outer wall reaches."""
-    return np.asarray(lines.points - lines.normal * (depth / 2 + set_back)[:, None])
+    valleys = -lines.normal
+    valleys *= (depth / 2 + set_back)[:, None]
+    valleys += lines.points
+    return valleys
 
 
 def average_along_wall(values: FloatArray, lines: Contours, window: float) -> FloatArray:

@@ -6,10 +6,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ..fill.parallel import in_chunks
 from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
-from ..slicing.outlines import following, preceding, ranges, starts, sums
+from ..slicing.outlines import preceding, ranges, starts, sums
 from .moves import Feature, Paths
 
 
@@ -99,20 +100,24 @@ def inside_of_wall(
 
 
 def _rings(points: FloatArray, start: IntArray, tolerance: float) -> NDArray[np.object_]:
-    closing = np.insert(points, start[1:], points[start[:-1]], axis=0)
-    ring = np.repeat(np.arange(len(start) - 1), np.diff(start) + 1)
-    lines = shapely.simplify(shapely.linestrings(closing, indices=ring), tolerance, preserve_topology=False)
-    count = shapely.get_num_coordinates(lines)
-    rings = np.full(len(lines), shapely.Polygon(), dtype=object)
-    sound = count >= 4
-    corners, index = shapely.get_coordinates(lines[sound], return_index=True)
-    rings[sound] = shapely.polygons(shapely.linearrings(corners, indices=index))
-    broken = ~shapely.is_valid(rings)
-    # Where the line folds over itself, a buffer of no width drops the folds, which run backwards around nothing.
-    rings[broken] = shapely.buffer(rings[broken], 0)
-    return rings
+    def chunk(lines: NDArray[np.object_]) -> tuple[NDArray[np.object_]]:
+        lines = shapely.simplify(lines, tolerance, preserve_topology=False)
+        rings = np.full(len(lines), shapely.Polygon(), dtype=object)
+        sound = (shapely.get_type_id(lines) == shapely.GeometryType.LINEARRING) & ~shapely.is_empty(lines)
+        rings[sound] = shapely.polygons(lines[sound])
+        # Where the line folds over itself, a buffer of no width drops the folds, which run backwards around nothing.
+        broken = ~shapely.is_valid(rings)
+        rings[broken] = shapely.buffer(rings[broken], 0)
+        return (rings,)
+
+    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
+    return in_chunks(chunk, shapely.linearrings(points, indices=loop))[0]
 
 
 def _signed_area(points: FloatArray, start: IntArray) -> FloatArray:
-    ahead = points[following(start)]
-    return sums(points[:, 0] * ahead[:, 1] - points[:, 1] * ahead[:, 0], start) / 2
+    x, y = points.T
+    swept = np.zeros(len(points))
+    swept[:-1] = x[:-1] * y[1:] - x[1:] * y[:-1]
+    first, last = start[:-1], start[1:] - 1
+    swept[last] = x[last] * y[first] - x[first] * y[last]
+    return sums(swept, start) / 2
