@@ -32,16 +32,17 @@ def arcs(cut: Crossings) -> Arcs:
     last = np.flatnonzero(np.append(cut.ring[1:] != cut.ring[:-1], True)[: len(cut.ring)])
     end[last] = np.concatenate([[0], last[:-1] + 1])[: len(last)]
 
-    ring_first = np.searchsorted(cut.ring, cut.vertex_ring, side="left")
-    ring_last = np.searchsorted(cut.ring, cut.vertex_ring, side="right") - 1
-    passed = np.searchsorted(cut.edge, np.arange(len(cut.vertices)), side="left")  # crossings before each vertex
-    of_vertex = np.where(passed > ring_first, passed - 1, ring_last)
+    ring_size = np.bincount(cut.ring, minlength=int(cut.vertex_ring[-1]) + 1 if len(cut.vertex_ring) else 0)
+    ring_end = np.cumsum(ring_size)
+    of_edge = np.bincount(cut.edge, minlength=len(cut.vertices))
+    passed = np.cumsum(of_edge) - of_edge  # crossings before each vertex
+    of_vertex = np.where(passed > (ring_end - ring_size)[cut.vertex_ring], passed, ring_end[cut.vertex_ring]) - 1
     repeats = np.append(cut.vertex_ring[1:] != cut.vertex_ring[:-1], True)[: len(cut.vertices)]
-    of_vertex[(ring_last < ring_first) | repeats] = -1
+    of_vertex[(ring_size == 0)[cut.vertex_ring] | repeats] = -1
 
-    steps = np.hypot(*np.diff(cut.vertices, axis=0).T)
+    steps = np.hypot(np.diff(cut.vertices[:, 0]), np.diff(cut.vertices[:, 1]))
     travelled = np.concatenate([[0.0], np.cumsum(np.where(repeats[:-1], 0.0, steps))])[: len(cut.vertices)]
-    place = travelled[cut.edge] + np.linalg.norm(cut.places - cut.vertices[cut.edge], axis=1)
+    place = travelled[cut.edge] + np.hypot(*(cut.places - cut.vertices[cut.edge]).T)
     length = place[end] - place
     closing = np.flatnonzero(repeats)[cut.vertex_ring[cut.edge[last]]]
     opening = np.concatenate([[0], np.flatnonzero(repeats)[:-1] + 1])[cut.vertex_ring[cut.edge[last]]]
@@ -69,8 +70,8 @@ def strays(cut: Crossings, along: Arcs, asked: BoolArray, closeness_mm: float) -
     start = cut.places[arc]
     line = cut.places[along.end[arc]] - start
     offset = cut.vertices[vertex] - start
-    share = np.clip((offset * line).sum(axis=1) / (line * line).sum(axis=1), 0.0, 1.0)
-    distance = np.linalg.norm(offset - share[:, None] * line, axis=1)
+    share = np.clip(np.einsum("ij,ij->i", offset, line) / np.einsum("ij,ij->i", line, line), 0.0, 1.0)
+    distance = np.hypot(*(offset - share[:, None] * line).T)
     result = np.zeros(len(cut.x), dtype=bool)
     result[arc[distance > closeness_mm]] = True
     return result

@@ -18,7 +18,8 @@ _SMALLEST_MM2 = 5.0  # a strand or two hold over less by themselves
 _LEAST_HELD = 0.6  # share of a bridge whose lines are held at both ends
 _AS_GOOD = 0.02  # of that share: then the shorter lines are better
 _DIRECTIONS = 36  # that are tried, besides those of the narrowest rectangle around it
-_EDGE_MM = 0.5  # edges are held or not as a whole
+_LINES_TRIED = 24  # across a square of the same area, or as many as are printed
+_EDGE_MM = 0.5  # or the lines' distance; edges are held or not as a whole
 _ANCHOR = 2.5  # line widths by which a bridge reaches into what carries it, and within which walls carry it
 
 
@@ -102,15 +103,16 @@ def _directions(parts: Shapes, carrying: Shapes, width_mm: float) -> tuple[BoolA
     Args:
         parts: (P,) Polygon.
         carrying: (P,) cross-section below each.
-        width_mm: distance of the lines.
+        width_mm: of the lines.
     """
-    parts = shapely.segmentize(parts, _EDGE_MM)
+    spacing = np.maximum(width_mm, np.sqrt(shapely.area(parts)) / _LINES_TRIED)
+    parts = shapely.segmentize(parts, np.maximum(_EDGE_MM, spacing))
     held_edge = _held_edges(parts, carrying, _ANCHOR * width_mm)
     even = np.arange(_DIRECTIONS)[:, None] * (180.0 / _DIRECTIONS) + np.zeros(len(parts))
     along = _rectangle_angle(parts)
     angle = np.concatenate([along[None], along[None] + 90.0, even])
     tried = angle.size
-    cut = crossings(np.tile(parts, len(angle)), angle.ravel(), np.full(tried, width_mm))
+    cut = crossings(np.tile(parts, len(angle)), angle.ravel(), np.tile(spacing, len(angle)))
     found = spans(cut)
     region = cut.region[found.left]
     length = cut.x[found.right] - cut.x[found.left]

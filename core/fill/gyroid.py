@@ -94,7 +94,7 @@ def gyroid_paths(
 
     warped = shapely.segmentize(regions, chord)
     corners, owner = shapely.get_coordinates(warped, return_index=True)
-    counted = _Waves(z[owner], scale).counted(rotated(corners, -angle[owner]))
+    counted = _Waves(z[owner], scale).counted(rotated(corners, -angle, owner))
     shapely.set_coordinates(warped, counted * [1.0, apart])
     cut = crossings(warped, np.zeros(len(regions)), np.full(len(regions), apart))
     found = spans(cut)
@@ -104,7 +104,7 @@ def gyroid_paths(
 
     points, start = _subdivided(points / [1.0, apart], start, chord)
     owner = np.repeat(region, np.diff(start))
-    points = rotated(_Waves(z[owner], scale).measured(points), angle[owner])
+    points = rotated(_Waves(z[owner], scale).measured(points), angle, owner)
     points, start = _simplified(points, start)
     return Paths(
         points=points,

@@ -67,7 +67,7 @@ def crossings(regions: Shapes, angle_deg: FloatArray, spacing_mm: FloatArray) ->
     ring_region = part_region[ring_part].astype(np.int64)
     points, vertex_ring = shapely.get_coordinates(rings, return_index=True)
     vertex_region = ring_region[vertex_ring]
-    vertices = rotated(points, -angle_deg[vertex_region])
+    vertices = rotated(points, -angle_deg, vertex_region)
     height = vertices[:, 1] / spacing_mm[vertex_region]
     above = np.ceil(height).astype(np.int64)  # first line at or above each vertex
     edge = np.flatnonzero(vertex_ring[1:] == vertex_ring[:-1])
@@ -91,15 +91,16 @@ def spans(cut: Crossings) -> Spans:
     """Pair the crossings of each line of each region: from an odd one to the next one is inside."""
     lowest = int(cut.line.min(initial=0))
     lines = int(cut.line.max(initial=0)) - lowest + 1
-    order = np.lexsort((cut.x, cut.region * lines + cut.line - lowest))
+    # All in one number, line after line: exact to a ten-thousandth of a millimetre for a billion lines.
+    along = (cut.region * lines + cut.line - lowest) * (float(np.ptp(cut.x)) + 1.0 if len(cut.x) else 1.0) + cut.x
+    order = np.argsort(along, kind="stable")
     return Spans(order[0::2], order[1::2])
 
 
-def rotated(points: FloatArray, angle_deg: FloatArray) -> FloatArray:
-    """(N, 2) points turned counter-clockwise about the origin by (N,) angles."""
-    cosine, sine = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
-    x, y = points[:, 0], points[:, 1]
-    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+def rotated(points: FloatArray, angle_deg: FloatArray, group: IntArray) -> FloatArray:
+    """(N, 2) points turned counter-clockwise about the origin by the angle (G,) of each one's group (N,)."""
+    turned = np.ascontiguousarray(points).view(np.complex128).ravel() * np.exp(1j * np.radians(angle_deg))[group]
+    return np.asarray(turned.view(np.float64).reshape(-1, 2))
 
 
 def long_enough(cut: Crossings, found: Spans, least_mm: float) -> BoolArray:

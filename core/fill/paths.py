@@ -170,7 +170,7 @@ def hatch_paths(hatching: Hatching, island_layer: IntArray) -> Paths:
     points, start, region = joined(cut, found, keep, np.where(skin, 0.5 * width, 0.0), limits)
     island = hatching.island[region]
     return Paths(
-        points=rotated(points, np.repeat(hatching.angle_deg[region], np.diff(start))),
+        points=rotated(points, hatching.angle_deg, np.repeat(region, np.diff(start))),
         start=start,
         layer=island_layer[island].astype(np.int64),
         feature=hatching.feature[region].astype(np.int64),

@@ -42,7 +42,9 @@ def solid_and_sparse(
         solid, sparse = _divided(inside, uncovered(inside, layer, outlines, steps), settings.extrusion_width)
         return _with_remnants(inside, solid, sparse, remnant_mm2)
 
-    solid, sparse = in_chunks(chunk, fill, island_layer)
+    solid, sparse = fill.copy(), np.full(len(fill), shapely.Polygon(), dtype=object)
+    rows = np.flatnonzero(shapely.area(fill) >= remnant_mm2)
+    solid[rows], sparse[rows] = in_chunks(chunk, fill[rows], island_layer[rows])
     return solid, sparse
 
 

@@ -116,7 +116,7 @@ def _hatched(areas: Areas, shapes: Shapes, owner: IntArray, width: float) -> Pat
     limits = LinkLimits(_STRAIGHTNESS_MM, 2 * spacing, _LONGEST_LINK * spacing)
     keep = long_enough(cut, found, width)
     points, start, row = joined(cut, found, keep, 0 * everywhere, limits)
-    points = rotated(points, angle[row].repeat(np.diff(start)))
+    points = rotated(points, angle, np.repeat(row, np.diff(start)))
     return _paths(areas, points, start, areas.layer[owner[row]], False, width)
 
 
