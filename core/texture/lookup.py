@@ -181,8 +181,8 @@ def _bilinear(
 
 
 def _neighbours(first: FloatArray, count: int, repeats: bool) -> tuple[IntArray, IntArray]:
-    """Texel numbers `first` and the next, brought into 0 to count - 1 by wrapping or by staying at the border."""
-    low = first.astype(np.int64)
-    if repeats:
-        return low % count, (low + 1) % count
-    return np.clip(low, 0, count - 1), np.clip(low + 1, 0, count - 1)
+    """Texel numbers `first` (-1 to count - 1) and the next, those beyond 0 to count - 1 wrapped or at the border."""
+    low, high = first.astype(np.int64), first.astype(np.int64) + 1
+    low[low < 0] = count - 1 if repeats else 0
+    high[high == count] = 0 if repeats else count - 1
+    return low, high
