@@ -32,6 +32,7 @@ from .order import OrderedPaths
 
 _SHORTEST_MM = 1e-9
 _SLOWEST_MM_S = 1.0
+_STRAIGHT = 1e-30  # a turn, which sets no limit that matters
 # Speeds that a limit sets come in steps of this, so that a file need not name a new one on every line.
 _STEP_MM_S = 1.0
 
@@ -82,9 +83,14 @@ def chord_lengths(paths: OrderedPaths) -> FloatArray:
     """(N,) mm from each point to the next one of its path, 0 at the last."""
     length = np.zeros(len(paths.points))
     if len(length) > 1:
-        (length[:-1],) = in_chunks(lambda near, far: (np.hypot(*(far - near).T),), paths.points[:-1], paths.points[1:])
+        (length[:-1],) = in_chunks(_distances, paths.points[:-1], paths.points[1:])
     length[paths.start[1:] - 1] = 0.0
     return length
+
+
+def _distances(near: FloatArray, far: FloatArray) -> tuple[FloatArray]:
+    x, y = (far - near).T
+    return (np.sqrt(x * x + y * y),)
 
 
 def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, acceleration: float) -> FloatArray:
@@ -112,10 +118,7 @@ def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, accele
     turn[(way[:-1] < _SHORTEST_MM) | (way[1:] < _SHORTEST_MM)] = 0.0
     mean = (way[:-1] + way[1:]) / 2
     first = inside.start - begin
-    bent = np.full(len(turn), np.inf)
-    bends = turn > 0
-    bent[bends] = np.sqrt(acceleration * mean[bends] / turn[bends])
-    corner[first : first + len(bent)] = bent
+    corner[first : first + len(turn)] = np.sqrt(acceleration * mean / np.maximum(turn, _STRAIGHT))
     return np.asarray(np.minimum(corner[: len(chord)], corner[1 : len(chord) + 1]))
 
 
