@@ -35,14 +35,14 @@ def time_report(
     """
     seconds = move_seconds(moves, settings.printer_profile) if seconds is None else seconds
     changing = tool_change_rows(moves)
-    steady = np.bincount(moves.feature[~changing], seconds[~changing], minlength=len(Feature))
+    steady = np.bincount(moves.feature, np.where(changing, 0.0, seconds), minlength=len(Feature))
     features = {feature.name.lower(): float(steady[feature]) for feature in Feature if steady[feature] > 0}
-    total = float(seconds.sum())
+    total, change = float(seconds.sum()), float(seconds[changing].sum())
     report: dict[str, Any] = {
         "total": total,
-        "tool_change": float(seconds[changing].sum()),
-        "tower": float(seconds[moves.feature == Feature.TOWER].sum()),
-        "features": features | {"tool_change": float(seconds[changing].sum())},
+        "tool_change": change,
+        "tower": features.get("tower", 0.0),
+        "features": features | {"tool_change": change},
         "heating": heating_seconds(moves, settings),
     }
     if single_color is not None:
@@ -69,10 +69,10 @@ def filament_report(moves: Moves, settings: PrintSettings) -> dict[str, Any]:
     for tool in (0, 1):
         report[f"tool{tool}_cost"] = report[f"tool{tool}_g"] / 1000 * settings.filament_cost
     report["cost"] = report["tool0_cost"] + report["tool1_cost"]
-    diameter = np.where(moves.tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    grams = moves.filament * np.pi / 4 * diameter**2 * settings.filament_density / 1000
-    strand = moves.extrudes
-    by_feature = np.bincount(moves.feature[strand], grams[strand], minlength=len(Feature))
+    row = moves.feature + len(Feature) * moves.tool
+    fed = np.bincount(row, np.where(moves.extrudes, moves.filament, 0.0), minlength=2 * len(Feature))
+    section = np.pi / 4 * np.array([settings.filament_diameter_0, settings.filament_diameter_1]) ** 2
+    by_feature = section @ fed.reshape(2, -1) * settings.filament_density / 1000
     features = {feature.name.lower(): float(by_feature[feature]) for feature in Feature if by_feature[feature] > 0}
     total = float(by_feature.sum())
     report["features_g"] = features

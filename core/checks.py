@@ -8,6 +8,7 @@ from .errors import MeshError, PrintError, SettingsError
 from .model import BoolArray, FloatArray
 from .printer import PrinterProfile
 from .settings import PrintSettings
+from .slicing.outlines import bounds
 from .toolpaths.moves import Feature, Moves
 
 _ROUNDING_MM = 1e-6
@@ -59,14 +60,18 @@ def check_reach(moves: Moves, printer: PrinterProfile) -> None:
     strand = moves.extrudes
     if not strand.any():
         return
-    # Runs of strands, or of other moves, by one tool: a few rows for each path.
-    run = np.flatnonzero(np.append(True, (strand[1:] != strand[:-1]) | (moves.tool[1:] != moves.tool[:-1])))
-    lows, highs = (extreme.reduceat(moves.position, run, axis=0) for extreme in (np.minimum, np.maximum))
-    strand, by_tool = strand[run], moves.tool[run]
-    low, high = lows[strand].min(axis=0), highs[strand].max(axis=0)
+    run = np.flatnonzero(np.append(True, moves.tool[1:] != moves.tool[:-1]))
+    lows, highs = (
+        np.stack([extreme.reduceat(column, run) for column in moves.position.T], axis=1)
+        for extreme in (np.minimum, np.maximum)
+    )
     least, most = (np.array(corner) for corner in (printer.reach_min, printer.reach_max))
-    if (low < least - _ROUNDING_MM).any() or (high > most + _ROUNDING_MM).any():
-        raise _out_of_reach(moves, low, high, least, most)
+    # Most prints travel no farther than they reach.
+    if (lows < least - _ROUNDING_MM).any() or (highs > most + _ROUNDING_MM).any():
+        low, high = bounds(moves.position, strand)
+        if (low < least - _ROUNDING_MM).any() or (high > most + _ROUNDING_MM).any():
+            raise _out_of_reach(moves, low, high, least, most)
+    by_tool = moves.tool[run]
     for tool in np.unique(by_tool).tolist():
         low, high = lows[by_tool == tool].min(axis=0), highs[by_tool == tool].max(axis=0)
         bed_high = np.array(printer.bed_max)

@@ -10,7 +10,7 @@ import numpy as np
 
 from .errors import SettingsError
 from .files import write_file
-from .gcode.writer import gcode_text
+from .gcode.writer import counted_text
 from .pipeline import DualColorPrint
 from .report import StageClock, header_lines, peak_rss_mb
 from .toolpaths.raft import raised
@@ -25,10 +25,11 @@ def export_gcode(result: DualColorPrint, path: Path) -> DualColorPrint:
     """
     clock = StageClock()
     clock.begin("gcode")
-    text = gcode_text(result.moves, result.settings, header_lines(result.report), result.layer_begins)
+    header = header_lines(result.report)
+    text, moves = counted_text(result.moves, result.settings, header, result.layer_begins)
     write_file(path, text)
     clock.stop()
-    return _reported(result, clock, gcode={"bytes": len(text), "moves": text.count(b"\nG1 ")})
+    return _reported(result, clock, gcode={"bytes": len(text), "moves": moves})
 
 
 def export_x3g(result: DualColorPrint, path: Path) -> DualColorPrint:

@@ -58,7 +58,8 @@ def single_color(
     chosen = np.unique(np.append(0, np.arange(step // 2, len(layers), step)))
     moves = single_color_moves(outlines, paths, layers, settings, within, chosen)
     seconds = move_seconds(moves, settings.printer_profile)
-    way = sums(np.hypot(*(outlines.base.take(following(outlines.start), axis=0) - outlines.base).T), outlines.start)
+    x, y = (outlines.base.take(following(outlines.start), axis=0) - outlines.base).T
+    way = sums(np.sqrt(x * x + y * y), outlines.start)
     wall = np.bincount(outlines.layer, way, minlength=len(layers)) / settings.outline_speed
     return SingleColor(chosen, np.asarray(np.bincount(moves.layer, seconds, minlength=len(chosen)), float), wall)
 
@@ -77,9 +78,11 @@ def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray,
     """
     if len(single.layer) == len(single.wall):
         return float(single.seconds.sum())
-    left_out = tool_change_rows(moves)
-    left_out |= np.isin(moves.feature, [int(feature) for feature in (Feature.OUTER_WALL, *ONLY_DUAL, *_AROUND)])
-    alike = np.bincount(moves.layer, np.where(left_out, 0.0, seconds))[settings.raft_layers :]
+    counts = np.ones(len(Feature))
+    counts[[Feature.OUTER_WALL, *ONLY_DUAL, *_AROUND]] = 0.0
+    weight = counts.take(moves.feature) * seconds
+    weight[tool_change_rows(moves)] = 0.0
+    alike = np.bincount(moves.layer, weight)[settings.raft_layers :]
     guess = single.wall.copy()
     guess[: len(alike)] += alike
     # The first layer is printed slowly: no example for others.

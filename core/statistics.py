@@ -13,6 +13,7 @@ from .model import BoolArray, FloatArray, IntArray
 from .pattern.chunks import in_chunks
 from .printer import Four, PrinterProfile
 from .settings import PrintSettings
+from .slicing.outlines import ranges
 from .toolpaths.moves import Feature, Moves
 
 _SHORTEST_MM = 1e-9
@@ -96,8 +97,9 @@ def layer_begins(moves: Moves, seconds: FloatArray) -> FloatArray:
 def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
     """Filament that each tool feeds in the end, retractions balanced: `tool0_mm`, `tool1_mm`, `tool0_g`, `tool1_g`."""
     use = {}
+    fed = np.bincount(moves.tool, moves.filament, minlength=2).tolist()
     for tool, diameter in enumerate((settings.filament_diameter_0, settings.filament_diameter_1)):
-        use[f"tool{tool}_mm"] = float(moves.filament[moves.tool == tool].sum())
+        use[f"tool{tool}_mm"] = fed[tool]
         cubic_mm = use[f"tool{tool}_mm"] * np.pi / 4 * diameter**2
         use[f"tool{tool}_g"] = float(cubic_mm * settings.filament_density / 1000)
     return {name: use[name] for name in ("tool0_mm", "tool1_mm", "tool0_g", "tool1_g")}
@@ -212,13 +214,13 @@ def _trapezoid_seconds(
 
 def tool_change_rows(moves: Moves) -> BoolArray:
     """(M,) rows without a strand between the last strand of one tool and the first of the other."""
+    inside = np.zeros(len(moves.tool), dtype=bool)
+    switched = np.flatnonzero(moves.tool[1:] != moves.tool[:-1]) + 1
+    if not len(switched):
+        return inside
     strand = np.flatnonzero(moves.extrudes)
-    switched = np.flatnonzero(np.diff(moves.tool)) + 1
     after = np.searchsorted(strand, switched)
     begin = np.concatenate([[-1], strand])[after] + 1
     end = np.concatenate([strand, [len(moves.tool)]])[after]
-    depth = np.zeros(len(moves.tool) + 1, dtype=np.int64)
-    np.add.at(depth, begin, 1)
-    np.add.at(depth, end, -1)
-    inside: BoolArray = np.cumsum(depth)[:-1] > 0
+    inside[ranges(begin, end - begin)] = True
     return inside

@@ -210,7 +210,8 @@ def test_report_is_json_and_complete(vase, tmp_path):
     assert {"tool0_mm", "tool1_mm", "tool0_g", "tool1_g", "cost"} <= set(text["filament"])
     assert {"samples", "error_free", "imperceptible", "salient", "discarded", "histogram"} <= set(text["pattern"])
     assert {"painted_contrast", "contrast_degraded", "contrast_gone"} <= set(text["slopes"])
-    assert text["gcode"]["bytes"] == (tmp_path / "vase.gcode").stat().st_size
+    written = (tmp_path / "vase.gcode").read_bytes()
+    assert text["gcode"] == {"bytes": len(written), "moves": written.count(b"\nG1 ")}
     assert text["bounds_mm"][0][2] == 0.0
     assert text["total_s"] == pytest.approx(sum(text["stages_s"].values()))
     assert vase.report["gcode"]["bytes"] == 0

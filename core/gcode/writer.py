@@ -26,7 +26,14 @@ _NEWLINE_AND_MARK = word("\n\1")
 
 
 def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None) -> bytes:
-    """The whole file: header, start sequence, one `G1` a move, tool changes, end sequence; see `program`.
+    """The whole file: header, start sequence, one `G1` a move, tool changes, end sequence; see `counted_text`."""
+    return counted_text(moves, settings, header, begins)[0]
+
+
+def counted_text(
+    moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None
+) -> tuple[bytes, int]:
+    """The whole file, see `program`, and how many of its lines are `G1`.
 
     Args:
         moves: the print, at least one row.
@@ -41,7 +48,9 @@ def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins:
     axes = np.array([word(f" {axis}") for axis in settings.printer_profile.tool_axes], dtype=np.uint32)
     places, texts = _with_widths(told)
     body = _body(told.lines, axes, places, texts)
-    return b"".join([_joined(_header_lines(settings, header) + told.start), *body, _joined(told.end)])
+    text = b"".join([_joined(_header_lines(settings, header) + told.start), *body, _joined(told.end)])
+    others = sum(line.startswith("G1 ") for lines in (told.start, *told.insertions, told.end) for line in lines)
+    return text, len(told.lines.tool) + others
 
 
 def _with_widths(told: Program) -> tuple[IntArray, list[bytes]]:
