@@ -86,8 +86,9 @@ def _trilinear(
         paint[part] = values[0]
         if alpha is not None:
             alpha[part] = values[1]
-    rest = np.flatnonzero(~known)
-    if len(rest):
+    near = np.flatnonzero(~known)
+    for start in range(0, len(near), _CHUNK_POINTS):
+        rest = near[start : start + _CHUNK_POINTS]
         paint[rest], rest_alpha = _near_borders(picture, finer, x[rest], y[rest], island[rest], share[rest])
         if alpha is not None:
             alpha[rest] = rest_alpha
@@ -128,13 +129,13 @@ def _mixed(first: Float32Array, second: Float32Array, share: FloatArray | Float3
 
 def _near_borders(
     picture: Picture, finer: int, x: FloatArray, y: FloatArray, island: LabelImage, share: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[Float32Array, Float32Array]:
     """Paint and alpha (n,) as `_trilinear`, where other islands are near.
 
     Points whose island the finer level does not know ask the next finer one, and so on, and at last the picture,
     whatever island it shows there; a coarser level that does not know the island is left out.
     """
-    paint, alpha = np.zeros(len(x)), np.zeros(len(x))
+    paint, alpha = np.zeros((2, len(x)), dtype=np.float32)
     lost = np.arange(len(x))
     for number in range(finer, -1, -1):
         paint[lost], alpha[lost], known = _bilinear(picture, number, x[lost], y[lost], island[lost])
@@ -145,7 +146,7 @@ def _near_borders(
     if finer + 1 < len(picture.levels):
         coarse_paint, coarse_alpha, known = _bilinear(picture, finer + 1, x, y, island)
         known[lost] = False
-        share = np.where(known, share, 0.0)
+        share = np.where(known, share, 0.0).astype(np.float32)
         paint += share * (coarse_paint - paint)
         alpha += share * (coarse_alpha - alpha)
     return paint, alpha
@@ -153,7 +154,7 @@ def _near_borders(
 
 def _bilinear(
     picture: Picture, number: int, x: FloatArray, y: FloatArray, island: LabelImage | None
-) -> tuple[FloatArray, FloatArray, BoolArray]:
+) -> tuple[Float32Array, Float32Array, BoolArray]:
     """Paint and alpha (n,) from the four texels around each point, and the points (n,) whose island they know.
 
     Texels count by how much of them the island covers; with `island` None all count alike.
@@ -161,23 +162,25 @@ def _bilinear(
     level, scale = picture.levels[number], 0.5**number
     x, y = x * scale - 0.5, y * scale - 0.5
     left, below = np.floor(x), np.floor(y)
-    right_share, upper_share = x - left, y - below
+    right_share, upper_share = (x - left).astype(np.float32), (y - below).astype(np.float32)
     columns = _neighbours(left, level.width, picture.repeats)
     rows = _neighbours(below, level.height, picture.repeats)
-    paint, alpha, weight = np.zeros(len(x)), np.zeros(len(x)), np.zeros(len(x))
-    for row, across in zip(rows, (1.0 - upper_share, upper_share), strict=True):
-        for column, along in zip(columns, (1.0 - right_share, right_share), strict=True):
-            index = row * level.width + column
-            share = across * along
+    paint, alpha, weight = np.zeros((3, len(x)), dtype=np.float32)
+    for row, across in zip(rows, (1 - upper_share, upper_share), strict=True):
+        row *= level.width
+        for column, along in zip(columns, (1 - right_share, right_share), strict=True):
+            index, share = row + column, across * along
             if island is not None:
-                share *= level.island[index] == island
-            paint += share * level.paint[index]
+                share *= level.island.take(index) == island
+            paint += share * level.paint.take(index)
             if level.alpha is not None:
-                alpha += share * level.alpha[index]
-            weight += share if level.coverage is None else share * level.coverage[index]
+                alpha += share * level.alpha.take(index)
+            if level.coverage is not None:
+                share *= level.coverage.take(index)
+            weight += share
     known = weight > _NO_WEIGHT
-    divisor = np.where(known, weight, 1.0)
-    return paint / divisor, known * 1.0 if level.alpha is None else alpha / divisor, known
+    divisor = np.where(known, weight, np.float32(1))
+    return paint / divisor, known.astype(np.float32) if level.alpha is None else alpha / divisor, known
 
 
 def _neighbours(first: FloatArray, count: int, repeats: bool) -> tuple[IntArray, IntArray]:
