@@ -40,8 +40,12 @@ class Segments:
     def points(self) -> FloatArray:
         """(S, 2, 2) mm, both ends."""
         x, y, z = self.mesh.vertices.T
-        ends = [edge_shares(self.mesh.faces, z, edge, self.planes[self.layer]) for edge in (self.tail, self.head)]
-        return np.stack([np.stack([between(column, *end) for column in (x, y)], axis=1) for end in ends], axis=1)
+        plane = self.planes[self.layer]
+        ends = []
+        for edge in (self.tail, self.head):
+            low, high, share, _ = edge_shares(self.mesh.faces, z, edge, following_corner(edge), plane)
+            ends.append(np.stack([between(column, low, high, share) for column in (x, y)], axis=1))
+        return np.stack(ends, axis=1)
 
 
 @dataclass(frozen=True)
@@ -134,16 +138,19 @@ def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
 
 
 def edge_shares(
-    faces: IntArray, height: FloatArray, edge: IntArray, plane: FloatArray
-) -> tuple[IntArray, IntArray, FloatArray]:
-    """(N,) the vertices of edges, the lower number first, and (N,) the share of the way to the other one up to planes.
+    faces: IntArray, height: FloatArray, edge: IntArray, after: IntArray, plane: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+    """Where planes meet edges that lead from some corners to the ones `after`.
 
-    By number, so that all faces of an edge are cut in the very same point.
+    Returns:
+        (N,) the vertices of each edge, the lower number first, so that all its faces are cut in the very same point;
+        (N,) the share of the way from one to the other, and (N,) from corner to corner.
     """
-    begin, end = faces.take(edge), faces.take(following_corner(edge))
+    begin, end = faces.take(edge), faces.take(after)
     low, high = np.minimum(begin, end), np.maximum(begin, end)
     base = height.take(low)
-    return low, high, (plane - base) / (height.take(high) - base)
+    share = (plane - base) / (height.take(high) - base)
+    return low, high, share, np.where(begin < end, share, 1 - share)
 
 
 def between(column: FloatArray, begin: IntArray, end: IntArray, share: FloatArray) -> FloatArray:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import FloatArray, IntArray
-from ..pattern.chunks import in_chunks
+from ..model import IntArray
+from ..pattern.chunks import CHUNK_ROWS, in_threads
 from .cycles import cycles
 from .gaps import close_chains
 from .intersect import Segments, between, edge_shares, following_corner
@@ -39,32 +39,34 @@ def _in_order(segments: Segments, root: IntArray, rank: IntArray) -> Outlines:
     start = starts(count)
     order = np.empty(len(root), dtype=np.int64)
     order[start[loop] + rank] = np.arange(len(root))
-    layer = segments.layer[roots][by_layer]
-    tail = segments.tail[order]
-    points, carried = _cut(segments, tail, segments.head[order], segments.planes.take(np.repeat(layer, count)))
-    return Outlines(points, start, layer, tail // 3, carried)
+    return _cut(segments, order, start, segments.layer[roots[by_layer]])
 
 
-def _cut(segments: Segments, tail: IntArray, head: IntArray, plane: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(N, 2) mm, where segments start, and (N, 2, 3) what they carry, see `Outlines`."""
-    mesh = segments.mesh
+def _cut(segments: Segments, order: IntArray, start: IntArray, layer: IntArray) -> Outlines:
+    """The outlines that segments, in their order (N,), make up; M + 1 starts and M layers, see `Outlines`."""
+    mesh, count = segments.mesh, len(order)
     # Columns in one piece are read and worked out several times as fast as short rows.
     x, y, z = np.ascontiguousarray(mesh.vertices.T)
     values = [mesh.face_uv[..., 0].ravel(), mesh.face_uv[..., 1].ravel()]
     if not np.isnan(mesh.face_tone).all():
         values.append(mesh.face_tone.ravel())
+    points, face = np.empty((count, 2)), np.empty(count, dtype=np.int64)
+    carried = np.full((count, 2, 3), np.nan) if len(values) < 3 else np.empty((count, 2, 3))
 
-    def chunk(tail: IntArray, head: IntArray, plane: FloatArray) -> tuple[FloatArray, FloatArray]:
-        points, carried = np.empty((len(tail), 2)), np.full((len(tail), 2, 3), np.nan)
-        for end, edge in enumerate((tail, head)):
-            low, high, share = edge_shares(mesh.faces, z, edge, plane)
-            if end == 0:
-                points[:, 0], points[:, 1] = (between(column, low, high, share) for column in (x, y))
+    def cut(begin: int) -> None:
+        """Some of the segments."""
+        some = slice(begin, begin + CHUNK_ROWS)
+        plane = segments.planes.take(segments.layer.take(order[some]))
+        for end, edges in enumerate((segments.tail, segments.head)):
+            edge = edges.take(order[some])
             after = following_corner(edge)
-            share = np.where(low == mesh.faces.take(edge), share, 1 - share)
+            low, high, share, along = edge_shares(mesh.faces, z, edge, after, plane)
+            if end == 0:
+                face[some] = edge // 3
+                for axis, column in enumerate((x, y)):
+                    points[some, axis] = between(column, low, high, share)
             for number, value in enumerate(values):
-                carried[:, end, number] = between(value, edge, after, share)
-        return points, carried
+                carried[some, end, number] = between(value, edge, after, along)
 
-    points, carried = in_chunks(chunk, tail, head, plane)
-    return points, carried
+    in_threads(cut, range(0, count, CHUNK_ROWS))
+    return Outlines(points, start, layer, face, carried)
