@@ -7,6 +7,7 @@ import numpy as np
 from ..model import BoolArray, IntArray
 
 _MANY = 1 << 14
+_STRIDE = 4  # steps until those that have arrived are sorted out
 _SCATTER = 0x9E3779B1  # odd, with bits all over, so that rulers do not follow the layers and faces
 
 
@@ -24,8 +25,12 @@ def cycles(successor: IntArray) -> tuple[IntArray, IntArray]:
     if count < _MANY:
         root, rank, _ = _jumped(successor, index, np.ones(count, dtype=np.int64))
         return root, rank
-    ruler, offset, following, least, length = _walks(successor, ((index * _SCATTER) & 0xFFFFFFFF) < 1 << 28)
-    first, before, size = _jumped(following, least, length)
+    is_ruler = ((index * _SCATTER) & 0xFFFFFFFF) < 1 << 28
+    ruler, offset, following = _walks(successor, is_ruler)
+    length = np.bincount(ruler + 1, minlength=len(following) + 1)[1:]
+    least = np.empty(len(following) + 1, dtype=np.int64)  # the last place is for members without a ruler
+    least[ruler[::-1]] = index[::-1]  # what is written last stays
+    first, before, size = _jumped(following, least[:-1], length)
     root = least[first][ruler]
     rank = before[ruler] + offset - offset[root]
     rank += np.where(rank < 0, size[ruler], 0)
@@ -37,27 +42,30 @@ def cycles(successor: IntArray) -> tuple[IntArray, IntArray]:
     return root, rank
 
 
-def _walks(successor: IntArray, is_ruler: BoolArray) -> tuple[IntArray, ...]:
+def _walks(successor: IntArray, is_ruler: BoolArray) -> tuple[IntArray, IntArray, IntArray]:
     """From each of R rulers, one in sixteen of S, to the next one, all at once.
 
     Returns:
-        (S,) the ruler before each member, -1 in cycles without, and (S,) how many steps it comes after it; of each
-        ruler (R,) the one that follows, the least member on the way there and the number of steps.
+        (S,) the ruler before each member, -1 in cycles without, and (S,) how many steps it comes after it; (R,) the
+        ruler that follows each one.
     """
     rulers = np.flatnonzero(is_ruler)
-    ruler, offset = np.full(len(successor), -1), np.zeros(len(successor), dtype=np.int64)
-    ruler[rulers] = np.arange(len(rulers))
-    following, length, least = np.empty_like(rulers), np.empty_like(rulers), rulers.copy()
-    walker, at, steps = ruler[rulers], successor[rulers], 1
-    while len(walker):
+    onwards = successor.copy()
+    onwards[rulers] = rulers  # who has arrived stays
+    visit = np.full(len(successor), -1)
+    arrival = np.empty_like(rulers)
+    own = np.arange(len(rulers)) << 32  # the ruler, with the steps in the lower half
+    at, mark = successor[rulers], own + 1
+    while len(at):
+        for _ in range(_STRIDE):
+            visit[at] = mark
+            at = onwards.take(at)
+            mark += 1
         arrived = is_ruler[at]
-        there = walker[arrived]
-        following[there], length[there] = ruler[at[arrived]], steps
-        walker, at = walker[~arrived], at[~arrived]
-        ruler[at], offset[at] = walker, steps
-        least[walker] = np.minimum(least[walker], at)
-        at, steps = successor[at], steps + 1
-    return ruler, offset, following, least, length
+        arrival[mark[arrived] >> 32] = at[arrived]
+        at, mark = at[~arrived], mark[~arrived]
+    visit[rulers] = own
+    return visit >> 32, visit & 0xFFFFFFFF, visit[arrival] >> 32
 
 
 def _jumped(successor: IntArray, value: IntArray, length: IntArray) -> tuple[IntArray, IntArray, IntArray]:
