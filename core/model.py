@@ -136,11 +136,13 @@ class TriangleMesh:
     face_visibility: FloatArray | None = None
     face_visibility_texture: IntArray | None = None
 
-    @property
+    @cached_property
     def bounds(self) -> FloatArray:
-        """(2, 3) mm, the least and the greatest corner."""
+        """(2, 3) mm, the least and the greatest corner; not to be written to."""
         # Column by column: numpy reduces a long narrow array along its short rows ten times slower.
-        return np.array([[column.min() for column in self.vertices.T], [column.max() for column in self.vertices.T]])
+        corners = np.array([[column.min() for column in self.vertices.T], [column.max() for column in self.vertices.T]])
+        corners.flags.writeable = False
+        return corners
 
     @cached_property
     def area_normals(self) -> FloatArray:

@@ -142,7 +142,9 @@ def plate_warnings(
 
 def _plain(mesh: TriangleMesh, count: int) -> list[int]:
     """The objects without any paint."""
-    painted = (mesh.face_texture >= 0) | ~np.isnan(mesh.face_tone).any(axis=1)
+    painted = mesh.face_texture >= 0
+    if not painted.all():
+        painted |= ~np.isnan(mesh.face_tone).any(axis=1)
     if mesh.face_object is None:
         return [] if painted.any() else [0]
     painted_faces = np.bincount(mesh.face_object, weights=painted, minlength=count)
