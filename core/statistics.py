@@ -24,14 +24,14 @@ class _Segments:
     """The rows of the moves that take time, S of them.
 
     Attributes:
-        row: (S,) int64, the row of the moves.
+        takes: (M,) bool, which of the moves they are.
         length: (S,) float64 mm, of the way or else of the filament.
         speed: (S,) float64 mm/s that the axes allow.
         acceleration: (S,) float64 mm/s² that the axes allow.
         corner: (S,) float64 mm²/s², the greatest squared speed between a segment and the next one; 0 at the last.
     """
 
-    row: IntArray
+    takes: BoolArray
     length: FloatArray
     speed: FloatArray
     acceleration: FloatArray
@@ -67,9 +67,9 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
     """
     seconds = np.zeros(len(moves.tool))
     segments = _segments(moves, printer)
-    if len(segments.row):
+    if len(segments.length):
         u = _node_speeds_squared(segments, printer)
-        (seconds[segments.row],) = in_chunks(
+        (seconds[segments.takes],) = in_chunks(
             _trapezoid_seconds, segments.length, segments.speed, segments.acceleration, u[:-1], u[1:]
         )
     seconds[1:][moves.tool[1:] != moves.tool[:-1]] += printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
@@ -108,12 +108,12 @@ def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
 def _segments(moves: Moves, printer: PrinterProfile) -> _Segments:
     """The rows with a way or with filament; a row before which the place is not known (the first) has no way."""
     measured = in_chunks(partial(_measured, moves, printer), np.arange(len(moves.tool)))
-    row, length, speed, acceleration, corner, *tips = measured
+    takes, length, speed, acceleration, corner, *tips = measured
     # What lies between the last segment of a chunk and the first one of the next.
     between = np.flatnonzero(np.isnan(corner))
     tips = [tip[1:] for tip in tips]
     corner[between] = np.append(_corner_speeds_squared(printer.max_speed_change_mm_s, *tips)[::2], 0.0)[: len(between)]
-    return _Segments(row, length, speed, acceleration, corner)
+    return _Segments(takes, length, speed, acceleration, corner)
 
 
 def _measured(moves: Moves, printer: PrinterProfile, row: IntArray) -> tuple[NDArray[Any], ...]:
@@ -135,17 +135,16 @@ def _measured(moves: Moves, printer: PrinterProfile, row: IntArray) -> tuple[NDA
     speed, tool = moves.speed[here], moves.tool[here]
     kept = length >= _SHORTEST_MM
     if not kept.all():
-        row, tool = row[kept], tool[kept]
-        length, speed, direction = length[kept], speed[kept], direction[:, kept]
+        length, speed, tool, direction = length[kept], speed[kept], tool[kept], direction[:, kept]
     direction /= length
     x, y, lift, fed = np.abs(direction)
     level = np.maximum(x, y, out=x)
     speed = np.minimum(speed, 1 / _most(level, lift, fed, printer.max_speed_mm_s))
     acceleration = 1 / _most(level, lift, fed, printer.acceleration_mm_s2)
-    corner = np.full(len(row), np.nan)
+    corner = np.full(len(length), np.nan)
     corner[:-1] = _corner_speeds_squared(printer.max_speed_change_mm_s, tool, speed, direction.T)
-    tips = [column[[0, -1]] if len(row) else column for column in (tool, speed, direction.T)]
-    return row, length, speed, acceleration, corner, *tips
+    tips = [column[[0, -1]] if len(length) else column for column in (tool, speed, direction.T)]
+    return kept, length, speed, acceleration, corner, *tips
 
 
 def _most(level: FloatArray, lift: FloatArray, fed: FloatArray, limits: Four) -> FloatArray:
@@ -179,13 +178,16 @@ def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatA
     A segment that gains `w = 2·a·length` at most ties its ends by |u_i - u_{i+1}| ≤ w. With P the sum of the w
     before a node, u + P must not exceed any later u + P, and u - P any earlier u - P: two running minima.
     """
-    before = np.zeros(len(segments.row) + 1)
-    np.cumsum(2 * segments.acceleration * segments.length, out=before[1:])
+    before = np.zeros(len(segments.length) + 1)
+    np.multiply(segments.acceleration, segments.length, out=before[1:])
+    before *= 2
+    np.cumsum(before, out=before)
     u = np.append(0.0, segments.corner)
     queue = printer.queue_moves
-    u[:-queue] = np.minimum(u[:-queue], before[queue:] - before[:-queue])
+    np.minimum(u[:-queue], before[queue:] - before[:-queue], out=u[:-queue])
     u += before
-    u = np.minimum.accumulate(u[::-1])[::-1] - before
+    np.minimum.accumulate(u[::-1], out=u[::-1])
+    u -= before
     u -= before
     np.minimum.accumulate(u, out=u)
     u += before
