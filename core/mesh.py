@@ -55,7 +55,8 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
     if not proper.any():
         raise MeshError(f"{model.name} has no face with an area", "check the mesh for collapsed faces")
     if not proper.all():
-        corners, polygon, faces = corners[proper], polygon[proper], faces[proper]
+        kept = np.flatnonzero(proper)
+        corners, polygon, faces = corners.take(kept, axis=0), polygon[kept], faces.take(kept, axis=0)
     face_uv, face_texture = _painting(model, corners, polygon)
     tone = np.broadcast_to(np.nan, corners.shape) if model.corner_tone is None else model.corner_tone[corners]
     face_object = None if model.polygon_object is None else model.polygon_object[polygon]
@@ -203,9 +204,10 @@ def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArra
     group = np.zeros(len(vertices), dtype=np.int64) if owner is None else owner
     for column, reach in ((vertices @ _OBLIQUE, tolerance * _OBLIQUE.sum()), *((x, tolerance) for x in vertices.T)):
         order = np.argsort(column[near])
-        # By group first: numbers that hold both are sorted in a third of the time of `lexsort`.
-        bits = len(near).bit_length()
-        order = order[np.sort((group[order] << bits) | np.arange(len(near))) & ((1 << bits) - 1)]
+        if group.any():
+            # By group first: numbers that hold both are sorted in a third of the time of `lexsort`.
+            bits = len(near).bit_length()
+            order = order[np.sort((group[order] << bits) | np.arange(len(near))) & ((1 << bits) - 1)]
         near, group = near[order], group[order]
         value = column[near]
         begins = np.append(True, (group[1:] != group[:-1]) | (value[1:] - value[:-1] > reach))[: len(near)]
