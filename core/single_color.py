@@ -22,8 +22,8 @@ from .toolpaths.travels import Rooms
 ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 # What stands around the object or under it; the comparison leaves it out.
 _AROUND = (Feature.SKIRT, Feature.BRIM, Feature.RAFT)
-# Of about so many layers at least the time is found out.
-_LEAST_LAYERS = 50
+# Of about so many layers of a tall print the time is found out.
+_KNOWN_LAYERS = 40
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def single_color(
         within: where travels stay unseen, if that is known.
     """
     # An odd step, as the fill turns from layer to layer.
-    step = len(layers) // _LEAST_LAYERS // 2 * 2 + 1
+    step = len(layers) // _KNOWN_LAYERS // 2 * 2 + 1
     chosen = np.unique(np.append(0, np.arange(step // 2, len(layers), step)))
     moves = single_color_moves(outlines, paths, layers, settings, within, chosen)
     seconds = move_seconds(moves, settings.printer_profile)
