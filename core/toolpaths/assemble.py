@@ -69,19 +69,20 @@ def _extrusions(
     total = int(first_row[-1])
     before = ranges(first_row[:-1], approach)
     # The point at which each row's line arrives; that of an approach arrives at the first one.
-    arrives = np.arange(total) + np.repeat(paths.start[:-1] - first_row[:-1] - approach + 1, rows)
-    arrives[before] = np.repeat(paths.start[:-1], approach)
-    leaves = arrives - 1
+    point = np.arange(total)
+    point += np.repeat(paths.start[:-1] - first_row[:-1] - approach + 1, rows)
+    point[before] = np.repeat(paths.start[:-1], approach)
+    position = np.empty((total, 3))
+    position[:, :2] = paths.points.take(point, axis=0)
+    position[:, 2] = np.repeat(layers.top[paths.layer], rows)
+    point -= 1  # the point that the line leaves
 
     def of_rows(values: NDArray[Scalar], beside: float = 0.0) -> NDArray[Scalar]:
         """(total,) values of the lines that leave the points, something else in the approaches."""
-        column = values.take(leaves)
+        column = values.take(point)
         column[before] = beside
         return column
 
-    position = np.empty((total, 3))
-    position[:, :2] = paths.points.take(arrives, axis=0)
-    position[:, 2] = np.repeat(layers.top[paths.layer], rows)
     diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
     section = np.pi / 4 * diameter**2
     height = layers.height[paths.layer]

@@ -22,17 +22,16 @@ def seam_offsets(paths: Paths, settings: PrintSettings) -> IntArray:
     into the material: in the valleys of a wave, or else in concave corners, if the loop has any. `nearest` depends on
     the way of the nozzle and is found when paths are put in order; until then it is the rear.
     """
+    if settings.seam_position in ("rear", "nearest"):
+        rear = nearest(-paths.points[:, 1], paths.start)[0] - paths.start[:-1]
+        return np.where(has_seam(paths), rear, 0)
     offset = np.zeros(len(paths.layer), dtype=np.int64)
     closed = np.flatnonzero(has_seam(paths))
     if len(closed) == 0:
         return offset
     count = np.diff(paths.start)[closed]
     group = starts(count)
-    point = ranges(paths.start[closed], count)
-    if settings.seam_position in ("rear", "nearest"):
-        offset[closed] = nearest(-paths.points[:, 1].take(point), group)[0] - group[:-1]
-        return offset
-    points = paths.points.take(point, axis=0)
+    points = paths.points.take(ranges(paths.start[closed], count), axis=0)
     hidden = np.zeros(len(points))
     if settings.seam_position == "valley":
         hidden[~valleys(points, group, settings.wavelength / 2)] = np.inf
