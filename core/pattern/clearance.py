@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import following, ranges, starts
 from .along_loops import box, cross, dot, filtered, pairs, steps
-from .grid import PointGrid
+from .grid import Bits, PointGrid
 
 # Walls are looked for by so many points at a time.
 BLOCK = 6
@@ -20,8 +20,6 @@ FACING = -0.3
 STRAIGHT = 0.005
 # What is found counts for so many points to both sides and goes over into what is beside it as smoothly.
 EASING = 2
-
-Bits = NDArray[np.uint16]
 
 
 @dataclass(frozen=True)
@@ -96,8 +94,10 @@ def _near(
     held, wanted = np.bitwise_or.reduceat(own, blocks.first), np.bitwise_or.reduceat(facing, blocks.first)
     middle, spread = pairs(blocks.middle), blocks.spread
     around = max(inside, outside) + 2 * spread
-    other, group = PointGrid(middle, blocks.layer, around / 2).candidates(middle, blocks.layer, rings=2)
-    this = np.repeat(np.arange(len(middle)), np.diff(group))
+    grid = PointGrid(middle, blocks.layer, around / 2)
+    faced = np.flatnonzero(wanted & grid.bits_around(held, rings=2)) if len(middle) else blocks.first
+    other, group = grid.candidates(middle.take(faced, axis=0), blocks.layer[faced], rings=2)
+    this = np.repeat(faced, np.diff(group))
     kept = np.flatnonzero(wanted[this] & held[other])
     this, other = this[kept], other[kept]
     away = blocks.middle.take(this, axis=1) - blocks.middle.take(other, axis=1)

@@ -197,13 +197,14 @@ def resampled(outlines: Outlines, step: float) -> tuple[FloatArray, IntArray, In
     before = np.minimum(np.ceil(end), np.repeat(count, outlines.count)).astype(np.int64)
     before[outlines.start[1:] - 1] = count
     before += np.repeat(start[:-1], outlines.count)
-    segment = np.repeat(np.arange(len(length)), np.diff(before, prepend=0))
+    segment = np.cumsum(np.bincount(before[:-1], minlength=start[-1] + 1)[: start[-1]])
     number = np.arange(start[-1]) - np.repeat(start[:-1], count)
     spacings = np.maximum(length * a_segment, 1e-12)
     share = np.clip(1 - (end[segment] - number) / spacings[segment], 0, 1)
-    points = corner.take(segment, axis=1) + share * along.take(segment, axis=1)
-    ends = outlines.carried.take(segment, axis=0)
-    return points, start, outlines.face[segment], ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])
+    points = np.stack([at[segment] + share * on[segment] for at, on in zip(corner, along, strict=True)])
+    ends = zip(*outlines.carried.transpose(1, 2, 0), strict=True)
+    carried = np.stack([at[segment] + share * (to - at)[segment] for at, to in ends], axis=1)
+    return points, start, outlines.face[segment], carried
 
 
 def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import bounds, ranges, starts
 
+Bits = NDArray[np.uint16]
 # A table of all cells is kept where there are at most so many a point.
 CELLS_A_POINT = 64
 
@@ -20,13 +22,13 @@ class PointGrid:
         low, high = bounds(points) if len(points) else np.zeros((2, 2))
         self.low = low - 3 * cell
         self.size = np.ceil((high - self.low) / cell).astype(np.int64) + 4
-        self.bottom = int(layer.min(initial=0))
-        key = self._key(self._column(points), layer)
-        cells = int(layer.max(initial=0) + 1 - self.bottom) * int(self.size.prod())
-        self.order = np.argsort(key.astype(np.min_scalar_type(cells)), kind="stable")
-        self.keys = key[self.order]
+        self.bottom, top = (int(layer.min()), int(layer.max())) if len(layer) else (0, 0)
+        self.key = self._key(self._column(points), layer)
+        cells = (top + 1 - self.bottom) * int(self.size.prod())
+        self.order = np.argsort(self.key.astype(np.min_scalar_type(cells)), kind="stable")
+        self.keys = self.key[self.order]
         # Where each cell's points begin, unless nearly all cells are empty.
-        self.begin = starts(np.bincount(key, minlength=cells)) if cells < CELLS_A_POINT * len(points) else None
+        self.begin = starts(np.bincount(self.key, minlength=cells)) if cells < CELLS_A_POINT * len(points) else None
 
     def _column(self, points: FloatArray) -> IntArray:
         cell = np.floor((points - self.low) / self.cell).astype(np.int64)
@@ -34,6 +36,20 @@ class PointGrid:
 
     def _key(self, column: IntArray, layer: IntArray) -> IntArray:
         return np.asarray(((layer - self.bottom) * self.size[1] + column[:, 1]) * self.size[0] + column[:, 0])
+
+    def bits_around(self, bits: Bits, rings: int = 1) -> Bits:
+        """(N,) for each of the points the bits (N,) of all points that `candidates` finds for it, and maybe more."""
+        if self.begin is None:
+            return np.full_like(bits, np.bitwise_or.reduce(bits))
+        held = np.zeros(len(self.begin) - 1, dtype=bits.dtype)
+        filled = np.flatnonzero(np.diff(self.begin))
+        held[filled] = np.bitwise_or.reduceat(bits[self.order], self.begin[filled])
+        for neighbour in (1, int(self.size[0])):
+            own = held.copy()
+            for away in range(neighbour, (rings + 1) * neighbour, neighbour):
+                held[away:] |= own[:-away]
+                held[:-away] |= own[away:]
+        return held[self.key]
 
     def candidates(self, query: FloatArray, layer: IntArray, rings: int = 1) -> tuple[IntArray, IntArray]:
         """All points in the cells around each query point: those nearer than `rings` cells, and some more.

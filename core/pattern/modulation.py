@@ -25,7 +25,7 @@ def shape(tone: FloatArray, is_black: BoolArray, settings: PrintSettings) -> tup
     Returns:
         (N,) depth in mm, peak to peak, and (N,) set-back in mm.
     """
-    attenuation = np.clip(np.where(is_black, 2 * tone - 1, 1 - 2 * tone), 0.0, 1.0)
+    attenuation = np.clip(np.where(is_black, 2.0, -2.0) * (tone - 0.5), 0.0, 1.0)
     onset = settings.offset_onset
     set_back = np.maximum(attenuation - onset, 0.0) * (settings.offset_max / (1.0 - onset))
     if settings.pattern == "offset":
@@ -49,14 +49,25 @@ def supported(
         slant_deg: (N,) of the surface: 0 upright, towards 90 it looks up, towards -90 down.
         settings: max_unsupported, the extrusion width, the layer height and the least wavelength are used.
     """
-    step = settings.layer_height * np.tan(np.radians(np.clip(-slant_deg, -89.0, 89.0)))
-    room = np.maximum(settings.max_unsupported + settings.extrusion_width / 2 - step, 0.0)
+    upright = settings.max_unsupported + settings.extrusion_width / 2
     if settings.pattern == "offset":
-        return depth, np.minimum(set_back, room)
+        # Only what overhangs farther than this has too little room.
+        enough = np.degrees(np.arctan((upright - set_back.max(initial=0.0)) / settings.layer_height))
+        steep = np.flatnonzero(slant_deg < -enough)
+        set_back = set_back.copy()
+        set_back[steep] = np.minimum(set_back[steep], _room(upright, slant_deg[steep], settings))
+        return depth, set_back
+    room = _room(upright, slant_deg, settings)
     depths = np.linspace(0.0, _DEEPEST, 121)
     reach = wave_reach(depths, settings.wavelength)
     depth = np.minimum(depth, np.interp(room, reach, depths))
     return depth, np.minimum(set_back, room - np.interp(depth, depths, reach))
+
+
+def _room(upright: float, slant_deg: FloatArray, settings: PrintSettings) -> FloatArray:
+    """(N,) mm, what slopes leave of how far strands may stand out of an upright wall."""
+    step = settings.layer_height * np.tan(np.radians(np.clip(-slant_deg, -89.0, 89.0)))
+    return np.asarray(np.maximum(upright - step, 0.0))
 
 
 def wave_reach(depth: FloatArray, wavelength: float) -> FloatArray:

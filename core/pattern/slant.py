@@ -15,8 +15,8 @@ def face_slant_deg(mesh: TriangleMesh) -> FloatArray:
 
 def slant_deg_of(normal: FloatArray) -> FloatArray:
     """(F,) degrees that normals (F, 3) of any length point above the horizon."""
-    slant = np.degrees(np.arctan2(normal[:, 2], np.hypot(normal[:, 0], normal[:, 1])))
-    return np.asarray(slant, dtype=np.float64)
+    x, y, z = normal.T
+    return np.asarray(np.degrees(np.arctan2(z, np.sqrt(x * x + y * y))))
 
 
 def slant_along(lines: Contours, mesh: TriangleMesh) -> FloatArray:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import FloatArray, IntArray
+from ..model import FloatArray
 from ..settings import PrintSettings
 from ..slicing.outlines import following
+from .along_loops import steps
 from .contours import Contours
 
 _LEAST_STEP = 0.01  # mm from one point to the next; less makes no difference to be seen
@@ -34,21 +35,26 @@ def widened(lines: Contours, printed: FloatArray, set_back: FloatArray, settings
     """
     if settings.pattern != "offset" or settings.calibration == "none":
         return set_back
-    after = following(lines.start)
-    step = set_back[after] - set_back
-    wide = set_back.copy()
-    rising, falling = np.flatnonzero(step > _LEAST_STEP), np.flatnonzero(step < -_LEAST_STEP)
-    for shallow, deep in ((rising, after[rising]), (after[falling], falling)):
-        black = printed[deep] > 0.5  # only then does a black line step back
-        shallow, deep = shallow[black], deep[black]
-        wide[shallow] = np.maximum(wide[shallow], set_back[shallow] + _ahead(lines, set_back, shallow, deep))
+    after, step = following(lines.start), steps(set_back, lines.start)
+    segment = np.flatnonzero(np.abs(step) > _LEAST_STEP)
+    rises = step[segment] > 0
+    deep = np.where(rises, after[segment], segment)
+    black = np.flatnonzero(printed[deep] > 0.5)  # only then does a black line step back
+    segment, rises = segment[black], rises[black]
+    shallow, wide = np.where(rises, segment, after[segment]), set_back.copy()
+    ahead = _ahead(lines.width[shallow] / 2, np.abs(step[segment]), lines.step[segment])
+    np.maximum.at(wide, shallow, set_back[shallow] + ahead)
     return np.minimum(wide, np.maximum(lines.room_inside, set_back))
 
 
-def _ahead(lines: Contours, set_back: FloatArray, shallow: IntArray, deep: IntArray) -> FloatArray:
-    """(Q,) mm that a line must be farther back at some points to make room for its own width beside deeper ones."""
-    radius = lines.width[shallow] / 2
-    length = np.hypot(*(lines.points[deep] - lines.points[shallow]).T)
-    slope = (set_back[deep] - set_back[shallow]) / np.maximum(length, 1e-9)
+def _ahead(radius: FloatArray, step: FloatArray, length: FloatArray) -> FloatArray:
+    """(Q,) mm that lines must be farther back at some points to make room for their own width beside deeper ones.
+
+    Args:
+        radius: (Q,) mm, half of the line's width.
+        step: (Q,) mm, how much farther back it is at the deeper point.
+        length: (Q,) mm, how far away that is along the line.
+    """
+    slope = step / np.maximum(length, 1e-9)
     touching = np.minimum(radius * slope / np.sqrt(1 + slope**2), length)
     return np.asarray(np.maximum(slope * touching - radius + np.sqrt(radius**2 - touching**2), 0.0))

@@ -101,9 +101,13 @@ def modulated(
     Returns:
         (N,) depth and (N,) set-back, mm.
     """
-    layer = lines.layer[lines.loop]
-    depth, set_back = supported(*shape(tone, layer_is_black(layer, settings), settings), slant_deg, settings)
-    return faded(np.where(layer < settings.flat_layers, 0.0, depth), set_back, lines.room_inside, lines.room_outside)
+    count = np.diff(lines.start)
+    is_black = np.repeat(layer_is_black(lines.layer, settings), count)
+    depth, set_back = supported(*shape(tone, is_black, settings), slant_deg, settings)
+    if settings.pattern == "offset":
+        return depth, np.minimum(set_back, lines.room_inside)
+    depth[np.repeat(lines.layer < settings.flat_layers, count)] = 0.0
+    return faded(depth, set_back, lines.room_inside, lines.room_outside)
 
 
 def waved(
@@ -126,6 +130,8 @@ def waved(
         settings: the chord tolerance is used.
         swapped: (N,) what the other tool prints, or None.
     """
+    if not len(samples.arc):
+        return _without_waves(lines, tone, depth, set_back, settings, swapped)
     pieces = spans(lines, samples)
     count = _points_of(pieces, lines, depth, settings)
     layer = lines.layer
@@ -141,7 +147,7 @@ def waved(
         phase, swing = _swing(share, pieces.waves[row], layer[pieces.loop[row]], settings)
         moved = swing * value[:, 4] / 2 - value[:, 5]
         points = value[:, :2] + value[:, 2:4] * moved[:, None]
-        kept = _kept(points, row - piece[0], tolerance, value[:, 8:] > 0.5)
+        kept = _kept(points, row - piece[0], tolerance, None if swapped is None else value[:, 8] > 0.5)
         nearest = np.where(weight[kept] < 0.5, before[kept], after[kept])
         uv = lines.carried.take(nearest, axis=0)[:, :2]
         return points.take(kept, axis=0), value.take(kept, axis=0), phase[kept], pieces.loop[row[kept]], uv
@@ -161,6 +167,50 @@ def waved(
         uv=uv,
         width=value[:, 7].copy(),
         swapped=None if swapped is None else value[:, 8] > 0.5,
+    )
+
+
+def _without_waves(
+    lines: Contours,
+    tone: FloatArray,
+    depth: FloatArray,
+    set_back: FloatArray,
+    settings: PrintSettings,
+    swapped: BoolArray | None,
+) -> WavedOutlines:
+    """As `waved` where no contour carries a wave: their own points, set back."""
+    loops = len(lines.layer)
+
+    def chunk(loop: IntArray) -> tuple[NDArray[Any], ...]:
+        start = lines.start[loop[0] : loop[-1] + 2]
+        part = slice(start[0], start[-1])
+        moved = lines.points[part].copy()
+        for axis in (0, 1):
+            moved[:, axis] -= lines.normal[part, axis] * set_back[part]
+        # Each loop up to its first point again.
+        count = np.diff(start) + 1
+        point = ranges(start[:-1], count)
+        point[np.cumsum(count) - 1] = start[:-1]
+        points = moved.take(point - start[0], axis=0)
+        tools = None if swapped is None else swapped[point]
+        kept = _kept(points, np.repeat(loop - loop[0], count), settings.chord_tolerance, tools)
+        return points.take(kept, axis=0), point[kept]
+
+    at_once = max(CHORDS_AT_ONCE * loops // max(len(lines.arc), 1), 1)
+    points, point = in_chunks(chunk, np.arange(loops), rows=at_once) if loops else (lines.points, lines.start[:0])
+    return WavedOutlines(
+        base=lines.points.take(point, axis=0),
+        points=points,
+        start=np.searchsorted(point, lines.start),
+        layer=lines.layer,
+        polygon=lines.polygon,
+        phase=np.zeros(len(point)),
+        depth=depth[point],
+        set_back=set_back[point],
+        tone=tone[point],
+        uv=lines.carried.take(point, axis=0)[:, :2],
+        width=lines.width[point],
+        swapped=None if swapped is None else swapped[point],
     )
 
 
@@ -200,10 +250,11 @@ def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: Prin
     return np.asarray(np.ceil(pieces.length / np.minimum(chord, own)), dtype=np.int64)
 
 
-def _kept(points: FloatArray, piece: IntArray, tolerance: float, tools: BoolArray) -> IntArray:
-    """Rows that remain of (Q, 2) points of pieces, of columns of tools too where they differ: no piece's last one."""
+def _kept(points: FloatArray, piece: IntArray, tolerance: float, tools: BoolArray | None) -> IntArray:
+    """Rows that remain of (Q, 2) points of pieces, those at which the tools (Q,) change too: no piece's last one."""
     keep = _within_tolerance(points, piece, tolerance)
-    keep[1:] |= (tools[1:] != tools[:-1]).any(axis=1)
+    if tools is not None:
+        keep[1:] |= tools[1:] != tools[:-1]
     # The last point of a span is the first one of the next.
     keep[:-1] &= piece[1:] == piece[:-1]
     keep[-1] = False
