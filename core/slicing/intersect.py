@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray, TriangleMesh
 from ..pattern.chunks import in_chunks
@@ -153,9 +155,9 @@ def edge_shares(
     return low, high, share, np.where(begin < end, share, 1 - share)
 
 
-def between(column: FloatArray, begin: IntArray, end: IntArray, share: FloatArray) -> FloatArray:
-    """(N,) values of a column, the share of the way from one row to another."""
-    base = column.take(begin)
+def between(column: NDArray[Any], begin: IntArray, end: IntArray, share: FloatArray) -> NDArray[Any]:
+    """(N,) values of a column, real or complex, the share of the way from one row to another."""
+    base: NDArray[Any] = column.take(begin)
     return base + share * (column.take(end) - base)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..model import IntArray
 from ..pattern.chunks import CHUNK_ROWS, in_threads
+from ..texture.islands import complex_uv
 from .cycles import cycles
 from .gaps import close_chains
 from .intersect import Segments, between, edge_shares, following_corner
@@ -45,13 +46,12 @@ def _in_order(segments: Segments, root: IntArray, rank: IntArray) -> Outlines:
 def _cut(segments: Segments, order: IntArray, start: IntArray, layer: IntArray) -> Outlines:
     """The outlines that segments, in their order (N,), make up; M + 1 starts and M layers, see `Outlines`."""
     mesh, count = segments.mesh, len(order)
-    # Columns in one piece are read and worked out several times as fast as short rows.
-    x, y, z = np.ascontiguousarray(mesh.vertices.T)
-    values = [mesh.face_uv[..., 0].ravel(), mesh.face_uv[..., 1].ravel()]
-    if not np.isnan(mesh.face_tone).all():
-        values.append(mesh.face_tone.ravel())
+    # Numbers in one piece are read and worked out several times as fast as short rows: two as a complex one.
+    height = mesh.vertices[:, 2].copy()
+    place, uv = complex_uv(mesh.vertices[:, :2]), complex_uv(mesh.face_uv).ravel()
+    tone = None if np.isnan(mesh.face_tone).all() else mesh.face_tone.ravel()
     points, face = np.empty((count, 2)), np.empty(count, dtype=np.int64)
-    carried = np.full((count, 2, 3), np.nan) if len(values) < 3 else np.empty((count, 2, 3))
+    carried = np.empty((count, 2, 3))
 
     def cut(begin: int) -> None:
         """Some of the segments."""
@@ -60,13 +60,12 @@ def _cut(segments: Segments, order: IntArray, start: IntArray, layer: IntArray) 
         for end, edges in enumerate((segments.tail, segments.head)):
             edge = edges.take(order[some])
             after = following_corner(edge)
-            low, high, share, along = edge_shares(mesh.faces, z, edge, after, plane)
+            low, high, share, along = edge_shares(mesh.faces, height, edge, after, plane)
             if end == 0:
                 face[some] = edge // 3
-                for axis, column in enumerate((x, y)):
-                    points[some, axis] = between(column, low, high, share)
-            for number, value in enumerate(values):
-                carried[some, end, number] = between(value, edge, after, along)
+                points[some] = between(place, low, high, share).view(np.float64).reshape(-1, 2)
+            carried[some, end, :2] = between(uv, edge, after, along).view(np.float64).reshape(-1, 2)
+            carried[some, end, 2] = np.nan if tone is None else between(tone, edge, after, along)
 
     in_threads(cut, range(0, count, CHUNK_ROWS))
     return Outlines(points, start, layer, face, carried)
