@@ -157,8 +157,9 @@ def edge_shares(
 
 def between(column: NDArray[Any], begin: IntArray, end: IntArray, share: FloatArray) -> NDArray[Any]:
     """(N,) values of a column, real or complex, the share of the way from one row to another."""
-    base: NDArray[Any] = column.take(begin)
-    return base + share * (column.take(end) - base)
+    base = column.take(begin)
+    value: NDArray[Any] = base + share * (column.take(end) - base)
+    return value
 
 
 def following_corner(corner: IntArray) -> IntArray:
