@@ -31,11 +31,13 @@ class SingleColor:
     """What is known of the print in one colour: all of S of the L layers, of the others the wall.
 
     Attributes:
-        layer: (S,) int64, ascending, the first layer among them.
-        seconds: (S,) s that each of them takes.
+        printed: (P,) int64, ascending, the layers on which anything is printed.
+        layer: (S,) int64, ascending, some of them with the first one.
+        seconds: (S,) s that each of these takes.
         wall: (L,) s that the outer wall takes at its speed, without starts, stops and corners.
     """
 
+    printed: IntArray
     layer: IntArray
     seconds: FloatArray
     wall: FloatArray
@@ -53,15 +55,18 @@ def single_color(
         settings: of the print.
         within: where travels stay unseen, if that is known.
     """
+    printed = np.unique(np.concatenate([outlines.layer, paths.layer]))
     # An odd step, as the fill turns from layer to layer.
-    step = len(layers) // _KNOWN_LAYERS // 2 * 2 + 1
-    chosen = np.unique(np.append(0, np.arange(step // 2, len(layers), step)))
-    moves = single_color_moves(outlines, paths, layers, settings, within, chosen)
-    seconds = move_seconds(moves, settings.printer_profile)
+    step = len(printed) // _KNOWN_LAYERS // 2 * 2 + 1
+    chosen = printed[np.unique(np.append(0, np.arange(step // 2, len(printed), step)))]
+    stacked = chosen if step > 1 else np.arange(len(layers))
+    moves = single_color_moves(outlines, paths, layers, settings, within, stacked)
+    passed = np.bincount(moves.layer, move_seconds(moves, settings.printer_profile), len(stacked))
+    seconds = passed[np.searchsorted(stacked, chosen)].astype(np.float64)
     x, y = (outlines.base.take(following(outlines.start), axis=0) - outlines.base).T
     way = sums(np.sqrt(x * x + y * y), outlines.start)
     wall = np.bincount(outlines.layer, way, minlength=len(layers)) / settings.outline_speed
-    return SingleColor(chosen, np.asarray(np.bincount(moves.layer, seconds, minlength=len(chosen)), float), wall)
+    return SingleColor(printed, chosen, seconds, wall)
 
 
 def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray, settings: PrintSettings) -> float:
@@ -76,7 +81,7 @@ def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray,
         seconds: (M,) `move_seconds` of the moves.
         settings: of the print.
     """
-    if len(single.layer) == len(single.wall):
+    if len(single.layer) == len(single.printed):
         return float(single.seconds.sum())
     counts = np.ones(len(Feature))
     counts[[Feature.OUTER_WALL, *ONLY_DUAL, *_AROUND]] = 0.0
@@ -86,8 +91,8 @@ def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray,
     guess = single.wall.copy()
     guess[: len(alike)] += alike
     # The first layer is printed slowly: no example for others.
-    more = single.seconds[1:] - guess[single.layer[1:]]
-    return float(single.seconds[0] + guess[1:].sum() + more.mean() * (len(guess) - 1))
+    more, others = single.seconds[1:] - guess[single.layer[1:]], single.printed[1:]
+    return float(single.seconds[0] + guess[others].sum() + more.mean() * len(others))
 
 
 def single_color_moves(
@@ -135,7 +140,7 @@ def _unwaved(outlines: WavedOutlines, number: IntArray, tolerance: float) -> Pat
     points, row = shapely.get_coordinates(
         shapely.simplify(closing, tolerance, preserve_topology=False), return_index=True
     )
-    last = np.append(row[1:] != row[:-1], True)  # the point that closes the loop
+    last = np.append(row[1:] != row[:-1], True)[: len(row)]  # the point that closes the loop
     points, row = points[~last], row[~last]
     return Paths(
         points=points,

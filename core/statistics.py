@@ -66,6 +66,8 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
     appear here: `toolpaths/speeds.py` gives every line the time that it needs to stay filled.
     """
     seconds = np.zeros(len(moves.tool))
+    if not len(seconds):
+        return seconds
     segments = _segments(moves, printer)
     if len(segments.length):
         u = _node_speeds_squared(segments, printer)

@@ -11,11 +11,11 @@ from dualcolor.core.settings import PrintSettings
 from dualcolor.core.single_color import single_color_moves, single_color_seconds
 from dualcolor.core.stages import Stages
 from dualcolor.core.statistics import layer_begins, move_seconds, print_time
-from dualcolor.core.toolpaths.moves import Feature, Paths
+from dualcolor.core.toolpaths.moves import Feature, Moves, Paths
 from dualcolor.core.wall_stages import wall_stages
 from dualcolor.tests.printing import rosette
 from dualcolor.tests.real_models import obj_model
-from dualcolor.tests.solids import cylinder, lathe
+from dualcolor.tests.solids import box, cylinder, joined, lathe
 
 SETTINGS = PrintSettings(pattern="wave")
 
@@ -129,6 +129,18 @@ def test_some_layers_tell_the_time_of_a_real_print_in_a_single_color(data):
     told, all_layers, share = compared(model, PrintSettings())
     assert share < 0.25
     assert told == pytest.approx(all_layers, rel=0.01)
+
+
+def test_layers_without_anything_tell_nothing():
+    """Two slabs far apart: the layers between them are empty."""
+    model = joined(box((-4, -4, 0), (4, 4, 1.1)), box((-4, -4, 38.9), (4, 4, 40)))
+    told, all_layers, _ = compared(model, PrintSettings())
+    assert told == pytest.approx(all_layers, rel=1e-12)
+
+
+def test_no_moves_take_no_time():
+    nothing = Moves(*(column[:0] for column in vars(rosette(1, 9)).values()))
+    assert move_seconds(nothing, SETTINGS.printer_profile).tolist() == []
 
 
 def test_a_low_print_is_put_together_as_a_whole_in_a_single_color():
