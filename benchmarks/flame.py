@@ -55,6 +55,9 @@ class SameThread:
     def __exit__(self, *_: object) -> None:
         pass
 
+    def shutdown(self) -> None:
+        """Nothing is left to be done."""
+
     def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
         """The function's result, which is there already."""
         done: Future[Any] = Future()

@@ -6,7 +6,7 @@ The sidebar's properties, the command line and the header of the G-code are all 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from .declared import checked, setting
@@ -316,7 +316,7 @@ class PrintSettings:
 
     def as_dict(self) -> dict[str, Any]:
         """All settings by name, JSON-ready."""
-        return asdict(self)
+        return {declared.name: getattr(self, declared.name) for declared in fields(self)}
 
     def changed(self, values: Mapping[str, Any]) -> PrintSettings:
         """A copy with some settings changed; text such as "0.2" or "true" is understood.
