@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import IntArray
 from ..pattern.chunks import in_chunks
 
 
-def faces_beyond(faces: IntArray, level: IntArray) -> IntArray:
+def faces_beyond(faces: IntArray, level: NDArray[np.int32]) -> IntArray:
     """The face across each edge that leads up, seen from its own face.
 
     An edge is a corner 3 f + k: it leads from corner k of face f to the next one. The edge that leads up in one face
@@ -25,11 +28,14 @@ def faces_beyond(faces: IntArray, level: IntArray) -> IntArray:
 
     def chunk(faces: IntArray, edge: IntArray) -> tuple[IntArray, ...]:
         """Numbers that faces share of the edges of some faces that lead up, these edges, and likewise down."""
-        start, end = faces.ravel(), faces[:, [1, 2, 0]].ravel()
-        rise = level.take(end) - level.take(start)
-        up, down = np.flatnonzero(rise > 0), np.flatnonzero(rise < 0)
+        start, here = faces.ravel(), level.take(faces.ravel())
+        end, there = _of_next_corner(start), _of_next_corner(here)
+        up, down = np.flatnonzero(here < there), np.flatnonzero(here > there)
         edges = edge.ravel()
-        return start[up] * vertices + end[up], edges[up], end[down] * vertices + start[down], edges[down]
+        return (
+            start.take(up) * vertices + end.take(up), edges.take(up),
+            end.take(down) * vertices + start.take(down), edges.take(down),
+        )  # fmt: skip
 
     up_key, up, down_key, down = in_chunks(chunk, faces, np.arange(faces.size).reshape(-1, 3))
     up_key, up = _sorted(up_key, up, vertices)
@@ -43,6 +49,14 @@ def faces_beyond(faces: IntArray, level: IntArray) -> IntArray:
     paired[paired] = down_key[where[paired]] == up_key[paired]
     beyond[up[paired]] = down[where[paired]] // 3
     return beyond
+
+
+def _of_next_corner(values: NDArray[Any]) -> NDArray[Any]:
+    """(3F,) what the next corner of the same face has."""
+    turned = np.empty_like(values)
+    turned[:-1] = values[1:]
+    turned[2::3] = values[0::3]
+    return turned
 
 
 def _sorted(key: IntArray, edge: IntArray, vertices: int) -> tuple[IntArray, IntArray]:

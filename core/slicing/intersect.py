@@ -106,7 +106,7 @@ def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
         mesh: F faces.
         planes: (L,) mm, increasing.
     """
-    level = np.searchsorted(planes, mesh.vertices[:, 2], side="right")
+    level = np.searchsorted(planes, mesh.vertices[:, 2], side="right").astype(np.int32)
 
     def chunk(faces: IntArray, number: IntArray) -> tuple[IntArray, ...]:
         """First and end layer, tail and head of the spans of some faces."""
