@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import following, preceding, starts, sums
+from ..slicing.regions import ring_polygons
 from .parallel import Shapes
 
 MITRE_LIMIT = 2.0  # distances
@@ -133,12 +134,11 @@ def _polygons(points: Plane, ring: IntArray, part: IntArray, owner: IntArray, co
     shapes: Shapes = np.full(count, shapely.Polygon(), dtype=object)
     if not len(points):
         return shapes
-    corners = points.view(np.float64).reshape(-1, 2)
     size = np.bincount(ring)
     rings = np.flatnonzero(size)
-    used, of_ring = np.unique(part[rings], return_inverse=True)
-    number = np.repeat(np.arange(len(rings)), size[rings])
-    parts = shapely.polygons(shapely.linearrings(corners, indices=number), indices=of_ring)
+    used, rings_of = np.unique(part[rings], return_counts=True)
+    loops = np.arange(len(rings))
+    parts = ring_polygons(points.view(np.float64).reshape(-1, 2), starts(size[rings]), loops, starts(rings_of))
     several = np.bincount(owner[used], minlength=count)[owner[used]] > 1
     shapes[owner[used[~several]]] = parts[~several]
     if several.any():

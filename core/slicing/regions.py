@@ -74,16 +74,19 @@ def polygons_of(outlines: Outlines, rings: IntArray, start: IntArray) -> NDArray
         rings: (R,) loops, the shell of each polygon followed by its holes.
         start: (K + 1,) where each polygon's rings start.
     """
+    return ring_polygons(outlines.points, outlines.start, rings, start)
+
+
+def ring_polygons(points: FloatArray, loop_start: IntArray, rings: IntArray, start: IntArray) -> NDArray[np.object_]:
+    """(K,) shapely polygons of loops (N, 2) that do not repeat their first points; `rings` and `start` as above."""
     if not len(rings):
         return np.zeros(0, dtype=object)
-    count = outlines.count[rings] + 1
+    count = np.diff(loop_start)[rings] + 1
     ring_start = starts(count)
-    point = ranges(outlines.start[rings], count)
-    point[ring_start[1:] - 1] = outlines.start[rings]
+    point = ranges(loop_start[rings], count)
+    point[ring_start[1:] - 1] = loop_start[rings]
     kind = shapely.GeometryType.POLYGON
-    polygons: NDArray[np.object_] = shapely.from_ragged_array(
-        kind, outlines.points.take(point, axis=0), (ring_start, start)
-    )
+    polygons: NDArray[np.object_] = shapely.from_ragged_array(kind, points.take(point, axis=0), (ring_start, start))
     return polygons
 
 

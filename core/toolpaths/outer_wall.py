@@ -11,6 +11,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
 from ..slicing.outlines import preceding, ranges, starts, sums
+from ..slicing.regions import ring_polygons
 from .moves import Feature, Paths
 
 
@@ -100,18 +101,13 @@ def inside_of_wall(
 
 
 def _rings(points: FloatArray, start: IntArray, tolerance: float) -> NDArray[np.object_]:
-    def chunk(lines: NDArray[np.object_]) -> tuple[NDArray[np.object_]]:
-        lines = shapely.simplify(lines, tolerance, preserve_topology=False)
-        rings = np.full(len(lines), shapely.Polygon(), dtype=object)
-        sound = (shapely.get_type_id(lines) == shapely.GeometryType.LINEARRING) & ~shapely.is_empty(lines)
-        rings[sound] = shapely.polygons(lines[sound])
-        # Where the line folds over itself, a buffer of no width drops the folds, which run backwards around nothing.
-        broken = ~shapely.is_valid(rings)
-        rings[broken] = shapely.buffer(rings[broken], 0)
-        return (rings,)
+    """(M,) simplified regions that loops bound, holes as well.
 
-    loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    return in_chunks(chunk, shapely.linearrings(points, indices=loop))[0]
+    Where a loop folds over itself, the folds go, which run backwards around nothing: simplifying mends what it returns.
+    """
+    loops = np.arange(len(start))
+    rings = ring_polygons(points, start, loops[:-1], loops)
+    return in_chunks(lambda some: (shapely.simplify(some, tolerance, preserve_topology=False),), rings)[0]
 
 
 def _signed_area(points: FloatArray, start: IntArray) -> FloatArray:
