@@ -85,10 +85,11 @@ def _over_air(solid: Shapes, below: Shapes, island_layer: IntArray, width_mm: fl
     rows = np.flatnonzero((shapely.area(solid) >= _SMALLEST_MM2) & (island_layer > 0))
 
     def chunk(skin: Shapes, layer: IntArray) -> tuple[Shapes]:
-        uncarried = uncovered(skin, layer, below, [-1])
+        pieces, owner = uncovered(skin, layer, below, [-1], _SMALLEST_MM2)
         bare = np.full(len(skin), shapely.Polygon(), dtype=object)
-        some = np.flatnonzero(shapely.area(uncarried) >= _SMALLEST_MM2)
-        bare[some] = offset(offset(uncarried[some], -width_mm), width_mm)
+        if len(pieces):
+            bared, group = np.unique(owner, return_inverse=True)
+            bare[bared] = offset(offset(shapely.multipolygons(pieces, indices=group), -width_mm), width_mm)
         return (bare,)
 
     (bare,) = in_chunks(chunk, solid[rows], island_layer[rows])

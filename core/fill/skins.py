@@ -36,10 +36,13 @@ def solid_and_sparse(
     if settings.infill_density >= 100.0:
         return fill, np.full(len(fill), shapely.Polygon(), dtype=object)
     steps = [*range(-settings.bottom_solid_layers, 0), *range(settings.top_solid_layers, 0, -1)]
+    width_mm = settings.extrusion_width
+    sliver_mm2 = np.pi * (0.25 * width_mm) ** 2  # below this nothing is left half a width wide
     remnant_mm2 = _SMALLEST_SPARSE_MM2 if settings.infill_density > 0.0 else 0.0
 
     def chunk(inside: Shapes, layer: IntArray) -> tuple[Shapes, Shapes]:
-        solid, sparse = _divided(inside, uncovered(inside, layer, outlines, steps), settings.extrusion_width)
+        pieces, owner = uncovered(inside, layer, outlines, steps, sliver_mm2)
+        solid, sparse = _divided(inside, pieces, owner, width_mm)
         return _with_remnants(inside, solid, sparse, remnant_mm2)
 
     solid, sparse = fill.copy(), np.full(len(fill), shapely.Polygon(), dtype=object)
@@ -48,7 +51,9 @@ def solid_and_sparse(
     return solid, sparse
 
 
-def uncovered(inside: Shapes, layer: IntArray, outlines: Shapes, steps: list[int]) -> Shapes:
+def uncovered(
+    inside: Shapes, layer: IntArray, outlines: Shapes, steps: list[int], smallest_mm2: float
+) -> tuple[Shapes, IntArray]:
     """What of regions is not covered by all of some other layers.
 
     Most regions lie well inside their neighbours' outlines, which a prepared predicate tells ten times faster than an
@@ -60,27 +65,29 @@ def uncovered(inside: Shapes, layer: IntArray, outlines: Shapes, steps: list[int
         layer: (I,) layer of each region.
         outlines: (L,) cross-sections; below the first and above the last there is nothing.
         steps: the other layers, relative to a region's own.
+        smallest_mm2: pieces below this are left out.
 
     Returns:
-        (I,) Polygon or MultiPolygon, the very objects of `inside` where nothing is covered.
+        (P,) Polygon, pieces that do not overlap; what different layers leave bare may touch. (P,) int64, the region of
+        each.
     """
-    bared: Shapes = np.full(len(inside), shapely.Polygon(), dtype=object)
     other = layer + np.asarray(steps, dtype=np.int64)[:, None]
     alone = ((other < 0) | (other >= len(outlines))).any(axis=0)
-    bared[alone] = inside[alone]
     rows = np.flatnonzero(~alone)
-    if not len(rows) or not steps:
-        return bared
-    other = other[:, rows]
-    low = other.min()
-    near = shapely.force_2d(outlines[low : other.max() + 1])  # a copy: see below
-    shapely.prepare(near)  # a prepared shape must not be shared between threads
-    left, pieces = inside[rows], np.full((len(rows), len(steps)), shapely.Polygon(), dtype=object)
-    for number, cutters in enumerate(near[other - low]):
-        cut = np.flatnonzero(~shapely.contains_properly(cutters, left) & ~shapely.is_empty(left))
-        left[cut], pieces[cut, number] = _parted(left[cut], cutters[cut])
-    bared[rows] = _united(pieces)
-    return bared
+    left, pieces, owner = inside[rows], [inside[alone]], [np.flatnonzero(alone)]
+    if len(rows) and steps:
+        other = other[:, rows]
+        low = other.min()
+        near = shapely.force_2d(outlines[low : other.max() + 1])  # a copy: see below
+        shapely.prepare(near)  # a prepared shape must not be shared between threads
+        for cutters in near[other - low]:
+            cut = np.flatnonzero(~shapely.contains_properly(cutters, left) & ~shapely.is_empty(left))
+            left[cut], piece = _parted(left[cut], cutters[cut])
+            pieces.append(piece)
+            owner.append(rows[cut])
+    parts, piece_of = shapely.get_parts(np.concatenate(pieces), return_index=True)
+    large = (shapely.area(parts) >= smallest_mm2) & ~shapely.is_empty(parts)
+    return parts[large], np.concatenate(owner)[piece_of[large]].astype(np.int64)
 
 
 def _parted(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes]:
@@ -94,17 +101,6 @@ def _parted(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes]:
     within[wrong] = shapely.intersection(cutters[wrong], whole[wrong], grid_size=_GRID_MM)
     beyond[wrong] = shapely.difference(whole[wrong], cutters[wrong], grid_size=_GRID_MM)
     return _polygonal(within), _polygonal(beyond)
-
-
-def _united(pieces: Shapes) -> Shapes:
-    """(N,) unions of the rows of (N, K) regions that do not overlap; most rows have one piece or none."""
-    area = shapely.area(pieces)
-    united: Shapes = pieces[np.arange(len(pieces)), np.argmax(area, axis=1)]
-    rows = np.flatnonzero((area > 0).sum(axis=1) > 1)
-    united[rows] = shapely.union_all(pieces[rows], axis=1)
-    wrong = rows[np.abs(shapely.area(united[rows]) - area[rows].sum(axis=1)) > _AREA_ERROR_MM2]
-    united[wrong] = shapely.union_all(pieces[wrong], axis=1, grid_size=_GRID_MM)
-    return united
 
 
 def remainder(whole: Shapes, parts: Shapes) -> Shapes:
@@ -123,16 +119,20 @@ def _polygonal(shapes: Shapes) -> Shapes:
     return shapes
 
 
-def _divided(inside: Shapes, bared: Shapes, width_mm: float) -> tuple[Shapes, Shapes]:
-    """The regions' part within a width of what is not covered, slivers apart, and the rest of them."""
+def _divided(inside: Shapes, pieces: Shapes, owner: IntArray, width_mm: float) -> tuple[Shapes, Shapes]:
+    """The regions' part within a width of (P,) uncovered pieces, slivers apart, and the rest of them."""
     solid, sparse = np.full(len(inside), shapely.Polygon(), dtype=object), inside.copy()
-    bare = shapely.area(bared) >= shapely.area(inside) - _AREA_ERROR_MM2
+    bare = np.bincount(owner, shapely.area(pieces), len(inside)) >= shapely.area(inside) - _AREA_ERROR_MM2
     solid[bare], sparse[bare] = inside[bare], shapely.Polygon()
-    rows = np.flatnonzero(~shapely.is_empty(bared) & ~bare)
-    core = offset(bared[rows], -0.25 * width_mm)
-    wide = ~shapely.is_empty(core)
-    rows = rows[wide]
-    solid[rows], sparse[rows] = _parted(inside[rows], offset(core[wide], 1.25 * width_mm))
+    pieces, owner = pieces[~bare[owner]], owner[~bare[owner]]
+    cores, piece = shapely.get_parts(offset(pieces, -0.25 * width_mm), return_index=True)
+    wide = ~shapely.is_empty(cores)
+    if wide.any():
+        of_region = owner[piece[wide]]
+        order = np.argsort(of_region, kind="stable")
+        rows, group = np.unique(of_region[order], return_inverse=True)
+        gathered = shapely.multipolygons(cores[wide][order], indices=group)
+        solid[rows], sparse[rows] = _parted(inside[rows], offset(gathered, 1.25 * width_mm))
     return solid, sparse
 
 
