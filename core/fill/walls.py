@@ -27,9 +27,8 @@ def simplified(shapes: Shapes, tolerance_mm: float) -> Shapes:
     """
     shapes = np.where(shapely.is_missing(shapes), shapely.Polygon(), shapes)
     result: Shapes = np.asarray(shapely.simplify(shapes, tolerance_mm, preserve_topology=False), dtype=object)
-    # The fast simplification may cut a neck and then lose what hangs on it; the area betrays it.
+    # It mends what it returns, but may have cut a neck then and lost what hangs on it; the area betrays it.
     lost = np.abs(shapely.area(result) - shapely.area(shapes)) > tolerance_mm * shapely.length(shapes)
-    lost |= ~shapely.is_valid(result)
     if lost.any():
         sound = shapely.buffer(shapely.make_valid(shapes[lost]), 0.0)
         result[lost] = shapely.simplify(sound, tolerance_mm, preserve_topology=True)
