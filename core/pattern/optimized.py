@@ -24,16 +24,19 @@ from .contours import Contours, long_enough
 from .phase_fit import PhaseFit
 from .phase_grid import PhaseGrid, on_grid, phase_grid
 from .sampling import Projector, Samples
-from .seam_polish import polished
+from .seam_polish import Polish, polished
 from .spacing import bounded
-from .wave_plan import planned
+from .wave_plan import WavePlan, planned, planned_further
 from .whole_waves import Phase, rounded
 
 # The plan is made on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
-# Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each.
-COARSE_FIT = (8, 2, 20)
-FINE_FIT = (2, 0, 8)
+# Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
+COARSE_FIT, FINE_FIT, POLISH = (8, 1, 10), (2, 0, 8), Polish(12, 0.2, 3)
+# Those of a few more tries, which are made as long as more than this share of the pattern is a visible seam, or this
+# where it is told how much a seam matters.
+LONGER_COARSE_FIT, LONGER_FINE_FIT, LONGER_POLISH = (8, 1, 20), (4, 0, 12), Polish(60, 0.1, 4)
+MORE_TRIES, ENOUGH, ENOUGH_WEIGHED = 2, 0.004, 0.0025
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
 # What nobody sees still counts by this much.
@@ -53,17 +56,45 @@ def optimized_samples(
     """
     if not long_enough(lines.length, settings).any():
         return Samples.on(lines, np.zeros(0))
-    fine = phase_grid(lines, projector, settings)
     weight = np.ones(len(lines.arc)) if visibility is None else np.clip(visibility, LEAST_WEIGHT, 1.0)
-    coarse = fine.coarser(lines, COARSE_STRIDE)
-    here = _at_nodes(weight, lines, coarse)
-    plan = planned(lines, fine, coarse, np.minimum(here, here[coarse.ahead]), settings)
-    phase = rounded(lines, coarse, plan, settings)
-    phase = PhaseFit(coarse, phase, here, settings).solved(*COARSE_FIT)
-    phase = Phase(phase.at(*on_grid(coarse, lines, fine), coarse), phase.turns)
-    phase = PhaseFit(fine, phase, _at_nodes(weight, lines, fine), settings).solved(*FINE_FIT)
-    samples = Samples.on(lines, bounded(lines, *whole_phases(fine, phase), settings))
-    return polished(lines, fine, samples, weight, settings)
+    return _Planning(lines, projector, weight, settings).samples()
+
+
+class _Planning:
+    """From contours to samples."""
+
+    def __init__(self, lines: Contours, projector: Projector, weight: FloatArray, settings: PrintSettings) -> None:
+        self.lines, self.weight, self.settings = lines, weight, settings
+        self.fine = phase_grid(lines, projector, settings)
+        self.coarse = self.fine.coarser(lines, COARSE_STRIDE)
+        self.here = _at_nodes(weight, lines, self.coarse)
+
+    def samples(self) -> Samples:
+        """Those of a quick plan; where these have too many seams, the best of it and of plans that took longer."""
+        price = np.minimum(self.here, self.here[self.coarse.ahead])
+        plan = planned(self.lines, self.fine, self.coarse, price, self.settings)
+        enough = ENOUGH if self.weight.min() == 1 else ENOUGH_WEIGHED
+        best, seen = self._realised(plan, COARSE_FIT, FINE_FIT, POLISH)
+        for _ in range(MORE_TRIES):
+            if seen <= enough:
+                break
+            plan = planned_further(self.coarse, plan, price, self.settings)
+            found, left = self._realised(plan, LONGER_COARSE_FIT, LONGER_FINE_FIT, LONGER_POLISH)
+            if left < seen:
+                best, seen = found, left
+        return best
+
+    def _realised(
+        self, plan: WavePlan, coarse_fit: tuple[int, int, int], fine_fit: tuple[int, int, int], polish: Polish
+    ) -> tuple[Samples, float]:
+        """Samples by a plan, and the share of the pattern that is a visible seam."""
+        lines, coarse, fine, settings = self.lines, self.coarse, self.fine, self.settings
+        phase = rounded(lines, coarse, plan, settings)
+        phase = PhaseFit(coarse, phase, self.here, settings).solved(*coarse_fit)
+        phase = Phase(phase.at(*on_grid(coarse, lines, fine), coarse), phase.turns)
+        phase = PhaseFit(fine, phase, _at_nodes(self.weight, lines, fine), settings).solved(*fine_fit)
+        samples = Samples.on(lines, bounded(lines, *whole_phases(fine, phase), settings))
+        return polished(lines, fine, samples, self.weight, polish, settings)
 
 
 def _at_nodes(weight: FloatArray, lines: Contours, grid: PhaseGrid) -> FloatArray:

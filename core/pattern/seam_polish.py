@@ -6,8 +6,8 @@ phase from sample to sample (paper, section 6.4), and whether it is seen. Here t
     Σ d² / (d² + d₀²) + α d
 
 over contour points and their images on the layer above: the first term counts what is seen, the second keeps what is
-not from growing. A step is a Gauss-Newton step with the diagonal alone, cut to a few hundredths of a millimetre, and
-after it spacings are pushed back into their bounds. The best of all steps is kept.
+not from growing. A step is a Gauss-Newton step with the diagonal alone and some momentum, cut to a few hundredths of a
+millimetre, and after it spacings are pushed back into their bounds. The best of all steps is kept.
 """
 
 from __future__ import annotations
@@ -24,15 +24,28 @@ from .phase_grid import PhaseGrid
 from .sampling import Samples
 from .spacing import bounded, pushed
 
-STEPS = 12
-PUSHES = 4
-# Error from which a place counts as part of a seam, and how many samples around it may move.
-SEAM, AROUND = 0.2, 3
 HALF_SEEN = 0.8
-UNSEEN_COST = 0.1
+UNSEEN_COST = 0.03
 # Share of the Gauss-Newton step that is gone, its greatest length in wavelengths, and what damps it, 1/mm².
-RATE, LONGEST, DAMPING = 0.25, 0.04, 2.0
+RATE, LONGEST, DAMPING = 0.2, 0.04, 2.0
+# Share of a step that the next one keeps on.
+MOMENTUM = 0.6
 VISIBLE = 0.5
+
+
+@dataclass(frozen=True)
+class Polish:
+    """How much to polish.
+
+    Attributes:
+        steps: how many.
+        seam: the error from which a place counts as part of a seam.
+        around: how many samples around a seam may move.
+    """
+
+    steps: int
+    seam: float
+    around: int
 
 
 @dataclass(frozen=True)
@@ -88,48 +101,53 @@ def polished(
     grid: PhaseGrid,
     samples: Samples,
     weight: FloatArray,
+    effort: Polish,
     settings: PrintSettings,
-) -> Samples:
-    """Samples with less visible seams, their spacings in [λ, 2λ).
+) -> tuple[Samples, float]:
+    """Samples with less visible seams, their spacings in [λ, 2λ), and how much of the contours is seen to be a seam.
 
     Args:
         lines: contours of all layers.
         grid: the fine grid on them.
         samples: at least one on each contour that the grid knows.
         weight: (N,) how much a seam at each contour point matters.
+        effort: how much to do.
         settings: the wavelength is used.
     """
     waves = _Waves(lines, samples)
-    near, point = _near_seams(lines, grid, waves)
+    near, point = _near_seams(lines, grid, waves, effort)
     if not len(point):
-        return samples
+        return samples, 0.0
     # Only where everything that a sample shapes is among the pairs.
     free = near & near[waves.behind]
     lower, upper, importance = _pairs(lines, grid, waves, point, free, weight)
     best, best_place = np.inf, waves.place
-    for step in range(STEPS + 1):
+    velocity = np.zeros(len(waves.place))
+    for step in range(effort.steps + 1):
         lower, upper = waves.followed(lower), waves.followed(upper)
         move, seen = _descent(waves, lower, upper, importance)
         if seen < best:
             best, best_place = seen, waves.place
-        if step < STEPS:
+        if step < effort.steps:
             longest = LONGEST * settings.wavelength
-            place = waves.place + np.where(free, np.clip(move, -longest, longest), 0.0)
-            waves.place = pushed(place, waves.loop, waves.start, waves.length, settings.wavelength, PUSHES)
-    return Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + best_place, waves.loop, settings))
+            velocity = np.where(free, np.clip(MOMENTUM * velocity + move, -longest, longest), 0.0)
+            place = waves.place + velocity
+            waves.place = pushed(place, waves.loop, waves.start, waves.length, settings.wavelength)
+    samples = Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + best_place, waves.loop, settings))
+    return samples, best / float(weight[np.diff(samples.start)[lines.loop] > 0].sum())
 
 
-def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves) -> tuple[BoolArray, IntArray]:
+def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves, effort: Polish) -> tuple[BoolArray, IntArray]:
     """Which samples are near a seam, and the contour points whose waves or images' waves they shape."""
     node = np.flatnonzero(grid.linked)
     up = loop_of(lines, grid.above[node])
     low = waves.locate(grid.arc[node] - lines.arc_start[grid.loop[node]], grid.loop[node])
     high = waves.locate(grid.above[node] - lines.arc_start[up], up)
-    seam = (np.cos(2 * np.pi * low.share) - np.cos(2 * np.pi * high.share)) ** 2 > SEAM
+    seam = (np.cos(2 * np.pi * low.share) - np.cos(2 * np.pi * high.share)) ** 2 > effort.seam
     near = np.zeros(len(waves.place), dtype=bool)
     near[low.before[seam]] = True
     near[high.before[seam]] = True
-    for _ in range(AROUND):
+    for _ in range(effort.around):
         near |= near[waves.ahead] | near[waves.behind]
     wanted = np.zeros(len(grid.arc), dtype=bool)
     wanted[node] = near[low.before] | near[high.before]

@@ -11,11 +11,8 @@ from .contours import Contours, long_enough, on_loop
 
 # Spacings are compared with this slack, mm, so that rounding does not prune an exact fit.
 SLACK = 1e-9
-# Spacings are pushed apart and pulled together so often; what is left after that is spread around the whole contour.
-PUSHES = 60
 # They are brought within the bounds by this share of the wavelength, so that rounding does not break them again.
 INSIDE = 5e-4
-HALVINGS = 50
 
 
 def in_order(local: FloatArray, loop: IntArray) -> tuple[FloatArray, IntArray]:
@@ -101,9 +98,8 @@ def filled(
 def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSettings) -> FloatArray:
     """Samples near the given ones with every spacing in [λ, 2λ), on all contours at once.
 
-    Neighbours that are too close push each other apart, those too far apart pull each other together. Where that does
-    not end soon, all spacings of the contour share what is missing; where the number of samples does not fit at all,
-    some are dropped or added as in the paper.
+    Neighbours that are too close push each other apart, those too far apart pull each other together. Where the number
+    of samples does not fit, some are dropped or added as in the paper.
 
     Args:
         lines: M contours.
@@ -117,62 +113,61 @@ def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSet
     least = settings.wavelength
     local, loop = in_order(arc - lines.arc_start[loop], loop)
     start = starts(np.bincount(loop, minlength=len(lines.layer)))
-    local = pushed(local, loop, start, lines.length, least, PUSHES)
-    local = _shared_out(local, loop, start, lines.length, least)
+    local = pushed(local, loop, start, lines.length, least)
     local, loop = in_order(np.mod(local, lines.length[loop]), loop)
     local, loop = pruned(local, loop, lines.length, least)
     local, loop = filled(local, loop, lines.length, long_enough(lines.length, settings), least)
     return np.sort(on_loop(lines.arc_start[loop] + local, loop, lines.arc_start))
 
 
-def pushed(
-    local: FloatArray, loop: IntArray, start: IntArray, length: FloatArray, least: float, times: int
-) -> FloatArray:
-    """Samples in order on closed contours; neighbours too close or too far apart are moved, at most so often."""
-    filled = start[1:] > start[:-1]
-    first, last = start[:-1][filled], start[1:][filled] - 1
-    low, high = least * (1 + INSIDE), 2 * least * (1 - INSIDE)
-    local = local.copy()
-    gap = np.empty_like(local)
-    for number in range(times):
-        np.subtract(local[1:], local[:-1], out=gap[:-1])
-        gap[last] = local[first] + length[filled] - local[last]
-        wrong = np.minimum(np.maximum(gap, low), high)
-        wrong -= gap
-        amiss = np.bincount(loop, wrong != 0, len(filled)) > 0
-        if not amiss.any():
-            break
-        some = np.flatnonzero(amiss[loop])
-        if 4 * len(some) < 3 * len(loop):
-            # What a contour's samples do to each other concerns no other contour.
-            begin = starts(np.where(amiss, np.diff(start), 0))
-            local[some] = pushed(local[some], loop[some], begin, length, least, times - number)
-            break
-        wrong *= 0.5
-        local -= wrong
-        local[1:] += wrong[:-1]
-        local[first[1:]] -= wrong[first[1:] - 1]
-        local[first] += wrong[last]
-    return local
+def pushed(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArray, least: float) -> FloatArray:
+    """Samples in order on closed contours with every spacing in [λ, 2λ), wherever their number allows it.
 
+    Going around a contour one way and pushing each sample on that is too near to the one before gives spacings that are
+    long enough, and so does going the other way; the mean of both is taken, which favours neither. Samples that are
+    too far apart are pulled together likewise, which makes no spacing too short.
 
-def _shared_out(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArray, least: float) -> FloatArray:
-    """On contours with a spacing out of bounds, as equal a change of all spacings as brings all of them within."""
-    ahead = following(start)
-    gap = local[ahead] - local + np.where(ahead <= np.arange(len(ahead)), length[loop], 0.0)
+    Args:
+        local: (S,) mm along their contours.
+        loop: (S,) contour of each.
+        start: (M + 1,) where the samples of each contour start.
+        length: (M,) mm.
+        least: λ, mm.
+    """
     count = np.diff(start)
-    low, high = least * (1 + INSIDE / 2), 2 * least * (1 - INSIDE / 2)
-    wrong = np.bincount(loop, (gap < least) | (gap >= 2 * least), len(count)) > 0
-    for this in np.flatnonzero(wrong & (count * low < length) & (count * high > length)):
-        some = slice(start[this], start[this + 1])
-        below, above = -high - float(gap[some].max()), high + float(np.abs(gap[some]).max())
-        for _ in range(HALVINGS):
-            middle = (below + above) / 2
-            if np.clip(gap[some] + middle, low, high).sum() < length[this]:
-                below = middle
-            else:
-                above = middle
-        place = np.cumsum(np.clip(gap[some] + above, low, high))
-        place = np.append(0.0, place[:-1])
-        local[some] = place + (local[some] - place).mean()
+    last = start[1:][count > 0] - 1
+    gap = np.empty_like(local)
+    np.subtract(local[1:], local[:-1], out=gap[:-1])
+    gap[last] = local[start[:-1][count > 0]] + length[count > 0] - local[last]
+    wrong = (gap < least * (1 + INSIDE)) | (gap > 2 * least * (1 - INSIDE))
+    mean = length / np.maximum(count, 1)
+    amiss = (np.bincount(loop[wrong], minlength=len(count)) > 0) & (mean > least) & (mean < 2 * least)
+    if not amiss.any():
+        return local
+    out = local.copy()
+    some = np.flatnonzero(amiss[loop])
+    out[some] = _spread(local[some], count[amiss], length[amiss], least)
+    return out
+
+
+def _spread(local: FloatArray, count: IntArray, length: FloatArray, least: float) -> FloatArray:
+    """The samples of a few contours, all of which have to be moved; they are gone through twice around."""
+    mean = length / count
+    owner = np.repeat(np.arange(len(count)), 2 * count)
+    first = starts(count)[:-1]
+    rank = ranges(np.zeros(len(count), dtype=np.int64), 2 * count)
+    again = rank >= count[owner]
+    index = first[owner] + rank - again * count[owner]
+    turn = again * length[owner]
+    # Contours lie apart, so that no sample is pushed by those of another.
+    apart = 8 * float(length.max()) * owner
+    for bound, sign in (
+        (np.minimum(least * (1 + INSIDE), (least + mean) / 2), 1.0),
+        (np.maximum(2 * least * (1 - INSIDE), (2 * least + mean) / 2), -1.0),
+    ):
+        usual = rank * bound[owner] - turn
+        place = sign * (local[index] - usual)
+        onward = np.maximum.accumulate(place + apart)[again] - apart[again]
+        back = np.minimum.accumulate((place + apart)[::-1])[::-1][~again] - apart[~again]
+        local = sign * (onward + back) / 2 + (usual[again] + usual[~again]) / 2
     return local

@@ -31,8 +31,10 @@ from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, on_grid
 
 # Grids of every so many layers, every so many nodes and the steps on each; last that of all layers.
-SPANS = ((16, 8, 100), (4, 6, 100))
-STEPS = 60
+SPANS = ((16, 8, 100), (4, 6, 100), (2, 4, 150))
+STEPS = 30
+# Steps of each further search, where the plan left too many seams.
+MORE_STEPS = 400
 # It takes so many times as many where births and deaths cost more in some places than in others, as they move farther.
 WEIGHTED_STEPS = 3
 OVER_RELAXATION = 1.8
@@ -40,13 +42,13 @@ OVER_RELAXATION = 1.8
 # there are many waves to move and few prices. The second holds where prices differ.
 PRIMAL_SHARE, WEIGHTED_SHARE = 0.1, 1.0
 # How far the waves may slide from a layer to the next, in waves, and what sliding and uneven spacing cost.
-SLIDE = 0.02
-SLIDE_COST = 0.2
+SLIDE = 0.035
+SLIDE_COST = 0.02
 UNEVEN_COST = 0.002
 # Steps that change no number of waves and no price by more than this end the search.
 SETTLED = 1e-5
 # The plan keeps this share away from the bounds on the spacing.
-MARGIN = 0.04
+MARGIN = 0.05
 
 
 @dataclass(frozen=True)
@@ -113,15 +115,18 @@ def planned(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, weight: FloatArra
     first = grids[0][0]
     none = np.zeros(len(first.arc))
     plan = WavePlan(first.length / (settings.wavelength * np.sqrt(2)), none, none, 0.0)
-    uneven = bool(len(weight)) and float(weight.min()) < float(weight.max())
     for number, (span, layers) in enumerate(grids):
         if number:
             plan = _taken_over(lines, fine, span, layers, *grids[number - 1], plan)
         node, _ = on_grid(grid, lines, span)
-        steps = (SPANS[number][2] if number < len(SPANS) else STEPS) * (WEIGHTED_STEPS if uneven else 1)
-        share = WEIGHTED_SHARE if uneven else PRIMAL_SHARE
-        plan = _solved(span, weight[node], plan, layers * SLIDE, steps, share, settings)
+        steps = (SPANS[number][2] if number < len(SPANS) else STEPS) * (WEIGHTED_STEPS if _uneven(weight) else 1)
+        plan = _solved(span, weight[node], plan, layers * SLIDE, steps, settings)
     return plan
+
+
+def planned_further(grid: PhaseGrid, plan: WavePlan, weight: FloatArray, settings: PrintSettings) -> WavePlan:
+    """A plan with fewer births and deaths, for several times the work; arguments as of `planned`, and its plan."""
+    return _solved(grid, weight, plan, SLIDE, MORE_STEPS, settings)
 
 
 def _taken_over(
@@ -161,10 +166,10 @@ def _solved(
     first: WavePlan,
     most_slide: float,
     steps: int,
-    share: float,
     settings: PrintSettings,
 ) -> WavePlan:
     """So many steps of the primal-dual method from a first guess."""
+    share = WEIGHTED_SHARE if _uneven(weight) else PRIMAL_SHARE
     least = grid.length / (2 * settings.wavelength) * (1 + MARGIN)
     most = grid.length / settings.wavelength * (1 - MARGIN)
     usual = grid.length / (settings.wavelength * np.sqrt(2))
@@ -206,6 +211,10 @@ def _solved(
     price = np.zeros(len(usual))
     price[curl.cell] = new_dual
     return WavePlan(new_waves, new_slide, price, level)
+
+
+def _uneven(weight: FloatArray) -> bool:
+    return bool(len(weight)) and float(weight.min()) < float(weight.max())
 
 
 def _moved(new: FloatArray, old: FloatArray) -> float:
