@@ -13,11 +13,11 @@ from .along_loops import box, cross, dot, filtered, pairs, steps
 from .grid import Bits, PointGrid
 
 # Walls are looked for by so many points at a time.
-BLOCK = 6
+BLOCK = 4
 # Walls face each other where their normals point apart by more than this (cosine).
 FACING = -0.3
 # A block whose points lie this near to its chord is a straight piece of wall, mm.
-STRAIGHT = 0.005
+STRAIGHT = 0.01
 # What is found counts for so many points to both sides and goes over into what is beside it as smoothly.
 EASING = 2
 

@@ -36,13 +36,14 @@ def widened(lines: Contours, printed: FloatArray, set_back: FloatArray, settings
     if settings.pattern != "offset" or settings.calibration == "none":
         return set_back
     after, step = following(lines.start), steps(set_back, lines.start)
-    segment = np.flatnonzero(np.abs(step) > _LEAST_STEP)
+    segment = np.flatnonzero((step > _LEAST_STEP) | (step < -_LEAST_STEP))
     rises = step[segment] > 0
     deep = np.where(rises, after[segment], segment)
     black = np.flatnonzero(printed[deep] > 0.5)  # only then does a black line step back
     segment, rises = segment[black], rises[black]
     shallow, wide = np.where(rises, segment, after[segment]), set_back.copy()
-    ahead = _ahead(lines.width[shallow] / 2, np.abs(step[segment]), lines.step[segment])
+    length = np.hypot(*(lines.points.take(after[segment], axis=0) - lines.points.take(segment, axis=0)).T)
+    ahead = _ahead(lines.width[shallow] / 2, np.abs(step[segment]), length)
     np.maximum.at(wide, shallow, set_back[shallow] + ahead)
     return np.minimum(wide, np.maximum(lines.room_inside, set_back))
 
