@@ -49,13 +49,15 @@ def shadow(regions: NDArray[np.object_], settings: PrintSettings) -> shapely.Geo
     whole = shapely.polygons(exterior_rings(regions))
     shapes = shapely.simplify(whole, _SIMPLIFY_MM, preserve_topology=False)
     shapes = np.where(shapely.is_valid(shapes), shapes, whole)
-    # Most layers lie within some spread over the height, but for slivers; that is told faster than they are united.
-    some = np.arange(len(shapes)) % max(1, -(-len(shapes) // _SPREAD)) == 0
-    covered = _filled(shapely.union_all(shapes[some]))
-    nearly = shapely.buffer(covered, _SLIVER_MM, quad_segs=1)
-    shapely.prepare(nearly)
-    rest = shapes[~some]
-    covered = _filled(shapely.union_all([covered, *rest[~shapely.contains_properly(nearly, rest)]]))
+    covered = shapely.MultiPolygon()
+    while len(shapes):
+        # Most layers lie within some spread over the height, but for slivers; that is told faster than they are united.
+        some = np.arange(len(shapes)) % -(-len(shapes) // _SPREAD) == 0
+        covered = _filled(shapely.union_all([covered, *shapes[some]]))
+        nearly = shapely.buffer(covered, _SLIVER_MM, quad_segs=1)
+        shapely.prepare(nearly)
+        shapes = shapes[~some]
+        shapes = shapes[~shapely.contains_properly(nearly, shapes)]
     # Waves stand out by half their depth.
     margin = settings.wave_depth_max / 2 + _SIMPLIFY_MM + _SLIVER_MM
     return _filled(shapely.buffer(covered, margin, quad_segs=2))
