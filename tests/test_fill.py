@@ -200,9 +200,10 @@ def test_same_input_same_paths_in_threads_or_not(monkeypatch):
     islands = blobs(36, 11)
     layer = np.arange(36) // 2
     sliced = shapes([shapely.unary_union(list(islands[layer == k])) for k in range(18)])
+    monkeypatch.setattr(parallel, "_LEAST_SHAPES", 5)
     first = fill_paths(sliced, islands, layer, PrintSettings())
     again = fill_paths(sliced, islands, layer, PrintSettings())
-    monkeypatch.setattr(parallel, "_SHAPES_WORTH_THREADS", 1000)
+    monkeypatch.setattr(parallel, "_LEAST_SHAPES", 1000)
     alone = fill_paths(sliced, islands, layer, PrintSettings())
     for name in ("points", "start", "layer", "feature", "island", "closed", "width"):
         assert np.array_equal(getattr(first, name), getattr(again, name))

@@ -15,7 +15,7 @@ Shapes = NDArray[np.object_]
 
 _THREADS = os.cpu_count() or 1
 _CHUNKS_A_THREAD = 3  # as the layers of one part of a model cost more than those of another
-_SHAPES_WORTH_THREADS = 32
+_LEAST_SHAPES = 48  # in a chunk: below, numpy's calls cost more than what they call
 
 
 def in_chunks(
@@ -26,15 +26,16 @@ def in_chunks(
     Args:
         function: from slices, (n,) each, to a tuple of (n,) arrays; row i of a result may depend on row i only.
         columns: (N,) arrays of one length.
-        chunks_a_thread: each costs what numpy takes for its calls.
+        chunks_a_thread: at most; each costs what numpy takes for its calls.
 
     Returns:
         The tuple that `function(*columns)` would have given.
     """
     count = len(columns[0])
-    if count < _SHAPES_WORTH_THREADS:
+    chunks = min(chunks_a_thread * _THREADS, count // _LEAST_SHAPES)
+    if chunks < 2:
         return function(*columns)
-    bounds = np.linspace(0, count, chunks_a_thread * _THREADS + 1).astype(int)
+    bounds = np.linspace(0, count, chunks + 1).astype(int)
     with ThreadPoolExecutor(_THREADS) as pool:
         slices = ([column[low:high] for column in columns] for low, high in pairwise(bounds))
         results = list(pool.map(lambda part: function(*part), slices))
