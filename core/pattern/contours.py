@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
@@ -88,17 +90,19 @@ class Contours:
         """The contours of several runs of layers, which follow one another, in one table."""
         points = starts(np.array([part.start[-1] for part in parts]))
         arc = np.concatenate([[0.0], np.cumsum([part.arc_start[-1] for part in parts])])
-        columns = {
-            column.name: np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(Contours)
-        }
-        columns["start"] = np.append(
-            np.concatenate([part.start[:-1] + base for part, base in zip(parts, points[:-1], strict=True)]), points[-1]
-        )
-        columns["arc_start"] = np.append(
-            np.concatenate([part.arc_start[:-1] + base for part, base in zip(parts, arc[:-1], strict=True)]), arc[-1]
-        )
-        columns["arc"] = np.concatenate([part.arc + base for part, base in zip(parts, arc[:-1], strict=True)])
-        return Contours(**columns)
+
+        def column(name: str) -> NDArray[Any]:
+            values = [getattr(part, name) for part in parts]
+            if name not in ("start", "arc", "arc_start"):
+                return np.concatenate(values)
+            begin = points if name == "start" else arc
+            values = [own + base for own, base in zip(values, begin[:-1], strict=True)]
+            if name == "arc":
+                return np.concatenate(values)
+            return np.concatenate([*(own[:-1] for own in values), begin[-1:]])
+
+        names = [one.name for one in fields(Contours)]
+        return Contours(*in_threads(column, names))
 
     def locate(self, arc: FloatArray, loop: IntArray | None = None) -> tuple[IntArray, IntArray, FloatArray]:
         """Where places lie: index of the point before, of the point after, and the share of the way between them.
