@@ -191,8 +191,8 @@ class _Rounding:
         owner = handed.owner[entries] - known.start
         walk = np.empty(len(phase))
         np.subtract(phase[1:], phase[:-1], out=walk[1:])
-        walk -= np.rint(walk)
         walk[first] = 0.0
+        walk -= np.rint(walk)
         walk = np.cumsum(walk)
         mean = np.add.reduceat(walk, first) / (start[1:] - first)
         # The plan's number of waves is met in the end: what came in excess is made up for in the layers to come.
