@@ -13,10 +13,12 @@ from dualcolor.core.pattern.phase_grid import phase_grid
 from dualcolor.core.pattern.quality import seam_errors
 from dualcolor.core.pattern.sampling import Projector, sample
 from dualcolor.core.pattern.spacing import bounded
+from dualcolor.core.pattern.strand_edges import widened
 from dualcolor.core.pattern.wave import modulated, waved
 from dualcolor.core.pattern.wave_plan import _Curl
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
+from dualcolor.core.wall_stages import pattern_samples
 from dualcolor.tests.solids import box, cylinder, joined, lathe
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
@@ -218,6 +220,22 @@ def test_spacing_is_bounded_and_no_waved_outline_crosses_itself_or_another(data,
         tones = np.full(len(lines.arc), tone)
         shaped = modulated(lines, tones, np.zeros(len(tones)), unhindered)
         assert crossing(waved(lines, samples, tones, *shaped, DEFAULT)) == [], (samples is best, tone)
+
+
+@pytest.mark.parametrize("name", ["cat-low-resolution.obj", "nc/kitten.obj", "spot/spot.obj"])
+@pytest.mark.parametrize("black", [0.0, 1.0, 0.5])
+def test_no_line_that_is_set_back_crosses_itself_or_another(data, name, black):
+    """The default pattern: all of a colour set back, or half of it in pieces of 1.4 mm."""
+    from dualcolor.tests.real_models import obj_model
+
+    settings = PrintSettings(max_unsupported=1.0)
+    lines = lines_of(obj_model(data / "meshes" / name, CORPUS[name]), settings)
+    pieces = np.random.default_rng(1).random(len(lines.arc) // 7 + 1) < black
+    tones = np.where(np.repeat(pieces, 7)[: len(lines.arc)], 0.0, 1.0)
+    depth, set_back = modulated(lines, tones, np.zeros(len(tones)), settings)
+    assert set_back.max() == settings.offset_max
+    none = pattern_samples(lines, Projector(lines, 0.6), settings)
+    assert crossing(waved(lines, none, tones, depth, widened(lines, tones, set_back, settings), settings)) == []
 
 
 def test_seams_go_where_they_matter_less(data):

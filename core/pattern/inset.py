@@ -11,7 +11,9 @@ from .along_loops import cross, dot, filtered, previous, steps
 UNFOLDINGS, UNFOLDED = 5, 0.2
 # In a bend a line may be moved by this share of the way on which its points meet, and ends so far before, mm: a tip is
 # no thinner than twice this, or the polyline within the chord tolerance of it would cross itself.
-BEND_SHARE, TIP_GAP = 0.95, 0.06
+BEND_SHARE, TIP_GAP = 0.95, 0.08
+# So many points more are looked at around tips, where the inset ones lie closer together than elsewhere.
+TIP_POINTS = 4
 # Of two rays that cross, both end before it where one comes to it after at least this share of the other's way.
 NEARER = 0.9
 
@@ -63,8 +65,8 @@ def bend_room(points: FloatArray, towards: FloatArray, start: IntArray, reach: f
     sharp = np.flatnonzero(dot(steps(towards, start), step) * -longest > square)
     if not len(sharp):
         return room
-    # Points farther apart than twice the length of their rays are out of each other's reach.
-    span = np.arange(int(np.ceil(2 * longest / np.sqrt(square.max()))))
+    # Points farther apart than twice the length of their rays are out of reach; around tips they lie closer together.
+    span = np.arange(int(np.ceil(2 * longest / np.sqrt(square.max()))) + TIP_POINTS)
     near = np.zeros(points.shape[1], dtype=bool)
     near[_along(sharp[:, None], -span, start)] = True
     this = np.flatnonzero(near)
