@@ -132,10 +132,11 @@ def test_curl_of_waves_that_follow_the_projection_is_none():
     grid = phase_grid(lines, Projector(lines, 0.6), DEFAULT)
     curl = _Curl(grid.coarser(lines, 4))
     coarse = grid.coarser(lines, 4)
-    assert len(curl.cell) == (np.diff(coarse.start)[:-1]).sum()
+    assert curl.whole.sum() == (np.diff(coarse.start)[:-1]).sum()
     assert np.abs(curl(coarse.length, np.zeros(len(coarse.arc)))).max() < 1e-3
     rng = np.random.default_rng(0)
-    waves, slide, price = (rng.normal(size=n) for n in (len(coarse.arc), len(coarse.arc), len(curl.cell)))
+    waves, slide, price = rng.normal(size=(3, len(coarse.arc)))
+    price *= curl.whole
     by_waves, by_slide = curl.transposed(price)
     assert curl(waves, slide) @ price == pytest.approx(by_waves @ waves + by_slide @ slide)
 

@@ -16,8 +16,8 @@ CELLS_A_POINT = 64
 class PointGrid:
     """Points of all layers sorted into square cells; neighbours are looked for within one layer only."""
 
-    def __init__(self, points: FloatArray, layer: IntArray, cell: float) -> None:
-        """Sort (N, 2) points with their layers (N,) into cells of `cell` mm."""
+    def __init__(self, points: FloatArray, layer: IntArray, cell: float, table: bool = True) -> None:
+        """Sort (N, 2) points with their layers (N,) into cells of `cell` mm; a `table` of all pays for many queries."""
         self.cell = cell
         low, high = bounds(points) if len(points) else np.zeros((2, 2))
         self.low = low - 3 * cell
@@ -28,7 +28,8 @@ class PointGrid:
         self.order = np.argsort(self.key.astype(np.min_scalar_type(cells)), kind="stable")
         self.keys = self.key[self.order]
         # Where each cell's points begin, unless nearly all cells are empty.
-        self.begin = starts(np.bincount(self.key, minlength=cells)) if cells < CELLS_A_POINT * len(points) else None
+        table = table and cells < CELLS_A_POINT * len(points)
+        self.begin = starts(np.bincount(self.key, minlength=cells)) if table else None
 
     def _column(self, points: FloatArray) -> IntArray:
         cell = np.floor((points - self.low) / self.cell).astype(np.int64)

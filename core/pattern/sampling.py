@@ -60,7 +60,7 @@ class Projector:
         step = self.lines.length / np.maximum(np.diff(self.lines.start), 1)
         # A place lies at most half a step from a point, so that the search has to go that much farther.
         reach = self.threshold + float(step.max(initial=0.0)) / 2
-        return PointGrid(self.lines.points, self.lines.layer[self.loop], reach / 2)
+        return PointGrid(self.lines.points, self.lines.layer[self.loop], reach / 2, table=False)
 
     @cached_property
     def ahead(self) -> IntArray:

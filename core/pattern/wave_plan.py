@@ -25,14 +25,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model import FloatArray, IntArray
+from ..model import FloatArray
 from ..settings import PrintSettings
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, on_grid
 
 # Grids of every so many layers, every so many nodes and the steps on each; last that of all layers.
 SPANS = ((16, 8, 100), (4, 6, 100), (2, 4, 150))
-STEPS = 30
+STEPS = 25
 # Steps of each further search, where the plan left too many seams.
 MORE_STEPS = 400
 # It takes so many times as many where births and deaths cost more in some places than in others, as they move farther.
@@ -69,36 +69,38 @@ class WavePlan:
 
 
 class _Curl:
-    """The linear map from waves and slides to births less deaths, and its transpose."""
+    """The linear map from waves and slides to births less deaths above each edge, none on torn ones; its transpose."""
 
     def __init__(self, grid: PhaseGrid) -> None:
         self.size = len(grid.arc)
-        self.cell, self.start, self.edge, self.weight = grid.rows()
-        self.owner = np.repeat(np.arange(len(self.cell)), np.diff(self.start))
-        self.ahead: IntArray = grid.ahead[self.cell]
+        cell, start, self.edge, self.weight = grid.rows()
+        self.owner = np.repeat(cell, np.diff(start))
+        self.ahead, self.behind = grid.ahead, grid.behind
+        self.whole = np.zeros(self.size)
+        self.whole[cell] = 1.0
 
     def __call__(self, waves: FloatArray, slide: FloatArray) -> FloatArray:
-        above = np.add.reduceat(self.weight * waves.take(self.edge), self.start[:-1])
-        above -= waves.take(self.cell)
+        above = np.bincount(self.owner, self.weight * waves.take(self.edge), self.size).astype(np.float64, copy=False)
+        above -= waves
         above -= slide.take(self.ahead)
-        above += slide.take(self.cell)
-        return np.asarray(above)
+        above += slide
+        above *= self.whole
+        return above
 
     def transposed(self, dual: FloatArray) -> tuple[FloatArray, FloatArray]:
-        here, ahead = np.zeros(self.size), np.zeros(self.size)
-        here[self.cell], ahead[self.ahead] = dual, dual
-        return np.bincount(self.edge, self.weight * dual.take(self.owner), self.size) - here, here - ahead
+        """For births less deaths (K,) that are none on torn edges."""
+        waves = np.bincount(self.edge, self.weight * dual.take(self.owner), self.size).astype(np.float64, copy=False)
+        waves -= dual
+        return waves, dual - dual.take(self.behind)
 
     def row_sums(self) -> FloatArray:
         """Sums of the magnitudes of each row."""
-        return np.asarray(np.add.reduceat(np.abs(self.weight), self.start[:-1]) + 3)
+        return np.asarray(np.bincount(self.owner, np.abs(self.weight), self.size) + 3)
 
     def column_sums(self) -> tuple[FloatArray, FloatArray]:
         """Sums of the magnitudes of the columns of the waves and of the slides."""
-        ones, twice = np.zeros(self.size), np.zeros(self.size)
-        ones[self.cell] = 1
-        twice[self.ahead] = 1
-        return np.bincount(self.edge, np.abs(self.weight), self.size) + ones, ones + twice
+        waves = np.bincount(self.edge, np.abs(self.weight), self.size) + self.whole
+        return waves, self.whole + self.whole.take(self.behind)
 
 
 def planned(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, weight: FloatArray, settings: PrintSettings) -> WavePlan:
@@ -175,14 +177,14 @@ def _solved(
     usual = grid.length / (settings.wavelength * np.sqrt(2))
     waves, slide, level = np.clip(first.waves, least, most), first.slide.copy(), first.level
     curl = _Curl(grid)
-    if not len(curl.cell):
+    if not len(curl.edge):
         return WavePlan(usual, slide, np.zeros(len(usual)), level)
-    bound = weight[curl.cell]
+    bound = weight * curl.whole
     dual_step = 1 / curl.row_sums() / share
     by_waves, by_slide = curl.column_sums()
     # One more row holds the number of all waves, so that the mean spacing stays what it should be.
     waves_step, slide_step = share / (by_waves + 1), share / np.maximum(by_slide, 1)
-    dual, total, uneven = first.price[curl.cell], float(usual.sum()), UNEVEN_COST / usual
+    dual, total, uneven = first.price * curl.whole, float(usual.sum()), UNEVEN_COST / usual
     keep = 1 / (1 + waves_step * uneven)
     waves_step, slide_keep = waves_step * keep, 1 / (1 + slide_step * SLIDE_COST)
     slide_step = slide_step * slide_keep
@@ -208,9 +210,7 @@ def _solved(
         for old, new in ((waves, new_waves), (slide, new_slide), (dual, new_dual), (value, new_value)):
             old *= 1 - OVER_RELAXATION
             old += OVER_RELAXATION * new
-    price = np.zeros(len(usual))
-    price[curl.cell] = new_dual
-    return WavePlan(new_waves, new_slide, price, level)
+    return WavePlan(new_waves, new_slide, new_dual, level)
 
 
 def _uneven(weight: FloatArray) -> bool:
