@@ -12,7 +12,7 @@ from dualcolor.core.pattern.optimized import optimized_samples
 from dualcolor.core.pattern.phase_grid import phase_grid
 from dualcolor.core.pattern.quality import seam_errors
 from dualcolor.core.pattern.sampling import Projector, sample
-from dualcolor.core.pattern.spacing import bounded
+from dualcolor.core.pattern.spacing import bounded, pushed
 from dualcolor.core.pattern.strand_edges import widened
 from dualcolor.core.pattern.wave import modulated, waved
 from dualcolor.core.pattern.wave_plan import _Curl
@@ -97,6 +97,26 @@ def test_any_samples_are_brought_within_the_bounds(shares):
     assert ((gap >= 1.2 - 1e-6) & (gap < 2.4)).all()
     fits = 1.201 < lines.length[0] / len(arc) < 2.399
     assert not fits or len(bound) == len(arc)
+
+
+@given(st.lists(st.tuples(st.integers(2, 25), st.floats(1.01, 1.99)), min_size=1, max_size=5), st.integers(0, 2**31))
+@hypothesis_settings(max_examples=100, deadline=None, derandomize=True)
+def test_samples_of_any_number_that_fits_are_pushed_within_the_bounds_at_once(contours_, seed):
+    """Each contour by itself; what is within them already stays."""
+    rng = np.random.default_rng(seed)
+    count = np.array([number for number, _ in contours_])
+    length = count * np.array([mean for _, mean in contours_])
+    start = np.append(0, np.cumsum(count))
+    loop = np.repeat(np.arange(len(count)), count)
+    local = np.concatenate(
+        [np.sort(rng.uniform(0, around, number)) for number, around in zip(count, length, strict=True)]
+    )
+    moved = pushed(local, loop, start, length, 1.0)
+    for number, around in enumerate(length):
+        own = moved[start[number] : start[number + 1]]
+        gap = np.diff(np.append(own, own[0] + around))
+        assert (gap >= 1 - 1e-9).all() and (gap < 2).all()
+    assert np.allclose(pushed(moved, loop, start, length, 1.0), moved, atol=1e-6)
 
 
 def test_a_cylinder_has_no_seam_and_the_usual_spacing():
