@@ -61,21 +61,22 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     run, aside, cut, lines = stages.run, stages.aside, wall.cut, wall.lines
     yield stages.begin(0.6, "supports")
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
+    outer = outer_wall_paths(wall.outlines)
+    covers = aside("covering", covering, cut.regions)
     shade = aside("shadow", _shadow, cut, holding, settings)
+    around = aside("surroundings", _surroundings, shade, cut, holding, outer, settings)
     thin = aside("thin features", thin_features, cut, lines, settings)
     yield stages.begin(0.65, "fill")
     inside = run("inside", inside_of_wall, lines, wall.depth, wall.set_back, len(cut.polygons), FILL_TOLERANCE)
-    outlined = run("covering", covering, cut.regions)
+    outlined = covers.result()
     areas = stages.run_rows("areas", fill_areas, (inside, cut.polygon_layer), outlined, settings)
     fill = run("fill", fill_lines, areas, outlined, cut.polygon_layer, settings)
     inner = run("inner", _joined, fill, holding.paths)
     within = run("rooms", rooms, inside, cut.polygon_layer, outlined)
     yield stages.begin(0.75, "toolpaths")
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
-    outer = outer_wall_paths(wall.outlines)
-    around = run("surroundings", _surroundings, shade.result(), cut, holding, outer, settings)
-    moves = run("toolpaths", _moves, outer, inner, around, cut.layers, within, settings)
-    return PrintedPaths(inner, around, within, moves, thin, alone)
+    moves = run("toolpaths", _moves, outer, inner, around.result(), cut.layers, within, settings)
+    return PrintedPaths(inner, around.result(), within, moves, thin, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:

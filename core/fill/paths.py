@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,6 +100,17 @@ def fill_lines(areas: tuple[Shapes, ...], outlines: Shapes, island_layer: IntArr
     width = line_widths(island_layer, settings)
     *bounded, solid, sparse = areas
     walls, narrow = bounded[: len(bounded) // 2 + 1], bounded[len(bounded) // 2 + 1 :]
+    with ThreadPoolExecutor(1) as beside:  # GEOS triangulates the gaps while numpy hatches
+        along_gaps = beside.submit(gap_paths, narrow, island_layer, width)
+        lines = _hatched(solid, sparse, outlines, island_layer, settings)
+    return Paths.joined([wall_paths(walls[1:], island_layer, width), along_gaps.result(), *lines])
+
+
+def _hatched(
+    solid: Shapes, sparse: Shapes, outlines: Shapes, island_layer: IntArray, settings: PrintSettings
+) -> list[Paths]:
+    """Bridges, skins and sparse fill."""
+    width = line_widths(island_layer, settings)
     spanned = bridges(solid, sparse, outlines, island_layer, settings)
     solid, sparse = without(solid, spanned), without(sparse, spanned)
     lines = [hatch_paths(planned(solid, sparse, island_layer, settings), island_layer)]
@@ -110,7 +122,7 @@ def fill_lines(areas: tuple[Shapes, ...], outlines: Shapes, island_layer: IntArr
     if settings.infill_density > 0.0 and settings.infill_pattern == "concentric":
         loops, island = nested(sparse, settings.extrusion_width * 100.0 / settings.infill_density)
         lines.append(boundary_paths(loops, island, island_layer, width, Feature.INFILL))
-    return Paths.joined([wall_paths(walls[1:], island_layer, width), gap_paths(narrow, island_layer, width), *lines])
+    return lines
 
 
 def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: PrintSettings) -> Hatching:
