@@ -34,6 +34,8 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     Raises:
         PrintError: something is, or the file cannot be read or is damaged.
     """
+    if args.file.suffix.lower() == ".gcode":
+        raise PrintError(f"{args.file.name} is G-code, and audit reads X3G", "name a file written by --x3g")
     commands = read_x3g(read_print_file(args.file))
     if findings := audit(commands, printer_profile(args.printer)):
         raise PrintError(f"{args.file.name} must not be printed", "; ".join(findings))
