@@ -89,9 +89,14 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy
             layout.prop(self, name)
         layout.column(align=True).prop(self, "views")
 
+    @property
+    def _in_window(self) -> bool:
+        """Whether the user has asked, rather than a script."""
+        return self.options.is_invoke and not bpy.app.background
+
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Render: beside the window if the user has asked in it, while a script waits for the files."""
-        if self.options.is_invoke and not bpy.app.background:
+        if self._in_window:
             return JobOperator.invoke(self, context, None)
         return JobOperator.execute(self, context)
 
@@ -140,9 +145,8 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy
         wanted = [*paths.values(), *([sheet] if sheet else [])]
         with OutputFiles(wanted) as files:
             staged = {view: files.staged(each) for view, each in paths.items()}
-            in_window = self.options.is_invoke and not bpy.app.background
             yield from picture_steps(
-                preview_of(source), staged, options, sheet and files.staged(sheet), model, background, in_window
+                preview_of(source), staged, options, sheet and files.staged(sheet), model, background, self._in_window
             )
         self._written = tuple(wanted)
         return f"Saved {', '.join(written.name for written in wanted)}"

@@ -10,7 +10,7 @@ from ..fill.parallel import in_chunks
 from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
-from ..slicing.outlines import preceding, ranges, starts, sums
+from ..slicing.outlines import ahead, preceding, ranges, starts, sums
 from ..slicing.regions import ring_polygons
 from .moves import Feature, Paths
 
@@ -112,8 +112,4 @@ def _rings(points: FloatArray, start: IntArray, tolerance: float) -> NDArray[np.
 
 def _signed_area(points: FloatArray, start: IntArray) -> FloatArray:
     x, y = points.T
-    swept = np.zeros(len(points))
-    swept[:-1] = x[:-1] * y[1:] - x[1:] * y[:-1]
-    first, last = start[:-1], start[1:] - 1
-    swept[last] = x[last] * y[first] - x[first] * y[last]
-    return sums(swept, start) / 2
+    return sums(x * ahead(y, start) - y * ahead(x, start), start) / 2
