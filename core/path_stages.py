@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from shapely import Geometry
 
 from .checks import check
-from .fill.paths import covering, fill_areas, fill_lines
+from .fill.paths import fill_areas, fill_lines
 from .progress import Progress
 from .settings import PrintSettings
 from .single_color import SingleColor, single_color
@@ -62,17 +62,17 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     yield stages.begin(0.6, "supports")
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
     outer = outer_wall_paths(wall.outlines)
-    covers = aside("covering", covering, cut.regions)
     shade = aside("shadow", _shadow, cut, holding, settings)
     around = aside("surroundings", _surroundings, shade, cut, holding, outer, settings)
     thin = aside("thin features", thin_features, cut, lines, settings)
     yield stages.begin(0.65, "fill")
     inside = run("inside", inside_of_wall, lines, wall.depth, wall.set_back, len(cut.polygons), FILL_TOLERANCE)
-    outlined = covers.result()
-    areas = stages.run_rows("areas", fill_areas, (inside, cut.polygon_layer), outlined, settings)
-    fill = run("fill", fill_lines, areas, outlined, cut.polygon_layer, settings)
+    known = wall.closing.result()
+    islands = (inside, cut.polygon_layer, known.skins.regions, known.skins.whole)
+    areas = stages.run_rows("areas", fill_areas, islands, settings)
+    fill = run("fill", fill_lines, areas, known.bridges, cut.polygon_layer, settings)
     inner = run("inner", _joined, fill, holding.paths)
-    within = run("rooms", rooms, inside, cut.polygon_layer, outlined)
+    within = run("rooms", rooms, inside, cut.polygon_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
     moves = run("toolpaths", _moves, outer, inner, around.result(), cut.layers, within, settings)

@@ -11,6 +11,7 @@ import numpy as np
 
 from .analysis.slopes import FaceContrast, face_contrast
 from .calibration.calibrate import calibrated
+from .fill.closing import Closing, closing
 from .mesh import triangulate
 from .model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
 from .pattern.contours import Contours, contours
@@ -50,6 +51,7 @@ class PaintedWall:
         notes: warnings of the calibration.
         errors: of the seams, worked out beside the stages.
         paint: on the faces, worked out beside the stages.
+        closing: skins and bridges of the fill, worked out beside the stages.
     """
 
     mesh: TriangleMesh
@@ -66,6 +68,7 @@ class PaintedWall:
     notes: list[str]
     errors: Future[SeamErrors]
     paint: Future[FaceContrast]
+    closing: Future[Closing]
 
 
 def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PaintedWall]:
@@ -82,6 +85,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     painting = aside("texture", build_pyramids, mesh, model.textures, footprint, settings.texture_filter, charts)
     yield stages.begin(0.05, "slicing")
     cut = run("slicing", slices, mesh, settings)
+    closes = aside("closing", closing, cut.polygons, cut.polygon_layer, len(cut.layers), settings)
     yield stages.begin(0.2, "contours")
     lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings)
     yield stages.begin(0.3, "sampling")
@@ -104,7 +108,8 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
     outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings, swapped)
     return PaintedWall(
-        mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint
+        mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint,
+        closes,
     )  # fmt: skip
 
 

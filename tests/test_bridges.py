@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.fill.bridges import bridges, without
+from dualcolor.core.fill.bridges import bridged
+from dualcolor.core.fill.closing import closed
 from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.fill.skins import solid_and_sparse
 from dualcolor.core.fill.walls import walls_and_fill
@@ -19,8 +20,8 @@ PLAN = PrintSettings()
 def found_in(layers, plan=PLAN):
     sliced, islands, layer = stack(layers)
     fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1]
-    solid, sparse = solid_and_sparse(sliced, fill, layer, plan)
-    return bridges(solid, sparse, sliced, layer, plan), solid, sparse, fill
+    known = closed(fill, layer, sliced, plan)
+    return *bridged(known.bridges, *solid_and_sparse(fill, known.skins, plan)), fill
 
 
 def beam(turned=0.0, length=40.0, gap=20.0):
@@ -87,11 +88,10 @@ def test_a_hollow_print_is_closed_by_bridges_from_wall_to_wall():
 def test_bridges_skins_and_sparse_fill_share_the_inside():
     for layers in (beam(), [annulus(40, 14)] * 6 + [square(40)] * 6):
         found, solid, sparse, fill = found_in(layers)
-        rest = [without(regions, found) for regions in (solid, sparse)]
-        bridged = np.zeros(len(fill))
-        np.add.at(bridged, found.island, shapely.area(found.regions))
-        assert bridged.sum() > 50
-        assert np.allclose(shapely.area(rest[0]) + shapely.area(rest[1]) + bridged, shapely.area(fill))
+        spanned = np.zeros(len(fill))
+        np.add.at(spanned, found.island, shapely.area(found.regions))
+        assert spanned.sum() > 50
+        assert np.allclose(shapely.area(solid) + shapely.area(sparse) + spanned, shapely.area(fill))
 
 
 def test_lines_of_a_bridge_end_on_what_carries_them():

@@ -6,11 +6,16 @@ import shapely
 from dualcolor.core.fill import parallel
 from dualcolor.core.fill.mitres import moved
 from dualcolor.core.fill.paths import fill_paths
-from dualcolor.core.fill.skins import remainder, solid_and_sparse
+from dualcolor.core.fill.skins import remainder, skins, solid_and_sparse
 from dualcolor.core.fill.walls import offset, offset_outlines, simplified, walls_and_fill
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.moves import Feature
 from fill_shapes import WIDTH, annulus, blobs, lines_of, shapes, square, stack, table_is_sound
+
+
+def shared(sliced, fill, layer, plan):
+    """Skins and sparse fill of islands."""
+    return solid_and_sparse(fill, skins(fill, layer, sliced, plan), plan)
 
 
 def test_walls_step_inwards_by_the_line_width():
@@ -63,7 +68,7 @@ def test_skins_of_a_step_pyramid_lie_on_its_steps(upside_down):
     sliced, islands, layer = stack(steps[::-1] if upside_down else steps)
     plan = PrintSettings(**solid_layers)
     fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1]
-    solid, sparse = solid_and_sparse(sliced, fill, layer, plan)
+    solid, sparse = shared(sliced, fill, layer, plan)
     for column in (solid, sparse, fill):
         column[:] = column[::-1] if upside_down else column
     expected = np.zeros(15)
@@ -78,7 +83,7 @@ def test_more_solid_layers_below_than_above():
     steps = [square(16)] * 8 + [square(40)] * 8
     sliced, islands, layer = stack(steps)
     plan = PrintSettings(bottom_solid_layers=5, top_solid_layers=1)
-    solid, _ = solid_and_sparse(sliced, walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1], layer, plan)
+    solid, _ = shared(sliced, walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1], layer, plan)
     assert np.flatnonzero(shapely.area(solid) > 1).tolist() == [0, 1, 2, 3, 4, 8, 9, 10, 11, 12, 15]
 
 
@@ -86,11 +91,11 @@ def test_steep_walls_and_slivers_make_no_skin():
     steep = [square(40 - 0.3 * k) for k in range(12)]  # the wall itself is thicker than three layers' slope
     sliced, islands, layer = stack(steep)
     plan = PrintSettings()
-    solid, _ = solid_and_sparse(sliced, walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1], layer, plan)
+    solid, _ = shared(sliced, walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1], layer, plan)
     assert (shapely.area(solid[3:-3]) == 0).all()
     notched = [square(40)] * 5 + [shapely.difference(square(40), shapely.box(-0.08, -9, 0.08, 9))] + [square(40)] * 5
     islands = shapes([square(38)] * 11)
-    solid, _ = solid_and_sparse(
+    solid, _ = shared(
         shapes(notched), walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1], np.arange(11), plan
     )
     assert (shapely.area(solid[3:-3]) == 0).all()

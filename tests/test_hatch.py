@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.fill.bridges import bridges, without
+from dualcolor.core.fill.bridges import bridged
+from dualcolor.core.fill.closing import closed, covering
 from dualcolor.core.fill.hatch import crossings, spans
-from dualcolor.core.fill.paths import covering, fill_areas, fill_lines, fill_paths, hatch_paths, planned
+from dualcolor.core.fill.paths import fill_areas, fill_lines, fill_paths, hatch_paths, planned
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.moves import Feature
@@ -95,14 +96,14 @@ def test_random_regions_are_filled_once_and_never_left(pattern):
     layer = np.arange(24) // 2
     plan = PrintSettings(infill_density=30, infill_pattern=pattern, bottom_solid_layers=1, top_solid_layers=2)
     sliced = shapes([shapely.unary_union(list(islands[layer == k])) for k in range(12)])
-    outlines = covering(sliced)
-    areas = fill_areas(islands, layer, outlines, plan)
-    paths = fill_lines(areas, outlines, layer, plan)
+    inside = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1]
+    known = closed(inside, layer, covering(sliced), plan)
+    areas = fill_areas(islands, layer, known.skins.regions, known.skins.whole, plan)
+    paths = fill_lines(areas, known.bridges, layer, plan)
     table_is_sound(paths)
     solid, sparse = areas[-2:]
     assert shapely.area(shapely.intersection(solid, sparse)).max() < 1e-6
-    over_air = bridges(solid, sparse, outlines, layer, plan)
-    solid, sparse = without(solid, over_air), without(sparse, over_air)
+    _, solid, sparse = bridged(known.bridges, solid, sparse)
     scanned, printed = 0, 0
     for feature, regions in ((Feature.SKIN, solid), (Feature.INFILL, sparse)):
         of_fill = paths.width[paths.start[:-1]] == WIDTH  # lines in gaps lie beside the regions

@@ -90,7 +90,7 @@ def test_another_picture_keeps_the_slices(monkeypatch):
     generate(model(FIRST), PrintSettings(), cache=cache)
     names = counted(cache, monkeypatch)
     generate(model(SECOND), PrintSettings(), cache=cache)
-    assert {"slicing", "contours", "sampling", "slant", "charts", "shadow"}.isdisjoint(names) and {
+    assert {"slicing", "contours", "sampling", "slant", "charts", "shadow", "closing"}.isdisjoint(names) and {
         "texture",
         "tone",
     } <= set(names)

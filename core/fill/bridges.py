@@ -10,8 +10,8 @@ import shapely
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from .hatch import crossings, spans
-from .parallel import Shapes, in_chunks
-from .skins import remainder, uncovered
+from .parallel import Shapes
+from .skins import Skins, remainder, uncovered
 from .walls import offset
 
 _SMALLEST_MM2 = 5.0  # a strand or two hold over less by themselves
@@ -29,7 +29,7 @@ class Bridges:
 
     Attributes:
         regions: (B,) Polygon or MultiPolygon, what carries their ends included.
-        island: (B,) int64.
+        island: (B,) int64, not decreasing.
         angle_deg: (B,) direction of the lines.
     """
 
@@ -38,64 +38,76 @@ class Bridges:
     angle_deg: FloatArray
 
 
-def bridges(
-    solid: Shapes, sparse: Shapes, outlines: Shapes, island_layer: IntArray, settings: PrintSettings
-) -> Bridges:
+def bridges(inside: Shapes, found: Skins, outlines: Shapes, island_layer: IntArray, settings: PrintSettings) -> Bridges:
     """Find the skins that nothing lies under and that two sides hold.
 
     Args:
-        solid: (I,) skins of the islands.
-        sparse: (I,) sparse fill of the islands.
+        inside: (I,) the region to fill of each island, or somewhat more, as of `plain_fill`.
+        found: the skins in it.
         outlines: (L,) cross-section of each layer, simplified by a twentieth of a millimetre or less.
         island_layer: (I,) layer of each island.
         settings: `infill_density` and `extrusion_width` are used.
+
+    Returns:
+        Bridges whose regions reach beyond what is filled, see `bridged`.
     """
-    below = outlines if settings.infill_density > 0.0 else _walls_only(outlines, sparse, island_layer)
-    parts, island = _over_air(solid, below, island_layer, settings.extrusion_width)
+    below = outlines if settings.infill_density > 0.0 else _walls_only(inside, found, outlines, island_layer)
+    parts, island = _over_air(inside, found, below, island_layer, settings.extrusion_width)
     if not len(parts):
         return Bridges(parts, island, np.zeros(0))
     carrying = below[island_layer[island] - 1]
     held, angle = _directions(parts, carrying, settings.extrusion_width)
-    parts, island, angle = parts[held], island[held], angle[held]
-    grown = offset(parts, _ANCHOR * settings.extrusion_width)
-    whole = shapely.union(solid[island], sparse[island])
-    return Bridges(_apart(shapely.intersection(grown, whole), island), island, angle)
+    grown = offset(parts[held], _ANCHOR * settings.extrusion_width)
+    return Bridges(grown, island[held], angle[held])
 
 
-def without(regions: Shapes, found: Bridges) -> Shapes:
+def bridged(found: Bridges, solid: Shapes, sparse: Shapes) -> tuple[Bridges, Shapes, Shapes]:
+    """Share what is filled with bridges.
+
+    Args:
+        found: bridges, which may reach beyond what is filled.
+        solid: (I,) skins of the islands.
+        sparse: (I,) sparse fill of the islands.
+
+    Returns:
+        The bridges' part of both; (I,) what is left of the skins and (I,) of the sparse fill.
+    """
+    whole = shapely.union(solid[found.island], sparse[found.island])
+    inside = Bridges(_apart(shapely.intersection(found.regions, whole), found.island), found.island, found.angle_deg)
+    return inside, _without(solid, inside), _without(sparse, inside)
+
+
+def _without(regions: Shapes, found: Bridges) -> Shapes:
     """(I,) regions of the islands less the bridges in them."""
     rest = regions.copy()
     for island in np.unique(found.island):
-        bridged = shapely.union_all(found.regions[found.island == island])
-        part = shapely.intersection(rest[island : island + 1], bridged)
+        spanned = shapely.union_all(found.regions[found.island == island])
+        part = shapely.intersection(rest[island : island + 1], spanned)
         rest[island : island + 1] = remainder(rest[island : island + 1], part)
     return rest
 
 
-def _walls_only(outlines: Shapes, sparse: Shapes, island_layer: IntArray) -> Shapes:
+def _walls_only(inside: Shapes, found: Skins, outlines: Shapes, island_layer: IntArray) -> Shapes:
     """(L,) cross-sections less the hollow inside."""
+    rows = np.flatnonzero(~found.whole)
+    hollow = shapely.difference(inside[rows], found.regions[rows])
     below = outlines.copy()
-    for layer in np.unique(island_layer[~shapely.is_empty(sparse)]):
-        below[layer] = shapely.difference(below[layer], shapely.union_all(sparse[island_layer == layer]))
+    for layer in np.unique(island_layer[rows]):
+        below[layer] = shapely.difference(below[layer], shapely.union_all(hollow[island_layer[rows] == layer]))
     return below
 
 
-def _over_air(solid: Shapes, below: Shapes, island_layer: IntArray, width_mm: float) -> tuple[Shapes, IntArray]:
+def _over_air(
+    inside: Shapes, found: Skins, below: Shapes, island_layer: IntArray, width_mm: float
+) -> tuple[Shapes, IntArray]:
     """Connected parts of skins with nothing below, without narrow ones and small ones, and their islands."""
-    rows = np.flatnonzero((shapely.area(solid) >= _SMALLEST_MM2) & (island_layer > 0))
-
-    def chunk(skin: Shapes, layer: IntArray) -> tuple[Shapes]:
-        pieces, owner = uncovered(skin, layer, below, [-1], _SMALLEST_MM2)
-        bare = np.full(len(skin), shapely.Polygon(), dtype=object)
-        if len(pieces):
-            bared, group = np.unique(owner, return_inverse=True)
-            bare[bared] = offset(offset(shapely.multipolygons(pieces, indices=group), -width_mm), width_mm)
-        return (bare,)
-
-    (bare,) = in_chunks(chunk, solid[rows], island_layer[rows])
-    parts, owner = shapely.get_parts(bare, return_index=True)
+    skin = np.where(found.whole, inside, found.regions)
+    rows = np.flatnonzero((shapely.area(skin) >= _SMALLEST_MM2) & (island_layer > 0))
+    pieces, owner = uncovered(skin[rows], island_layer[rows], below, [-1], _SMALLEST_MM2)
+    pieces = shapely.intersection(pieces, inside[rows[owner]])  # skins reach beyond it
+    parts, piece = shapely.get_parts(offset(offset(pieces, -width_mm), width_mm), return_index=True)
     large = shapely.area(parts) >= _SMALLEST_MM2
-    return parts[large], rows[owner[large]].astype(np.int64)
+    return parts[large], rows[owner[piece[large]]].astype(np.int64)
 
 
 def _directions(parts: Shapes, carrying: Shapes, width_mm: float) -> tuple[BoolArray, FloatArray]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -40,12 +39,12 @@ def gaps_between(walls: list[Shapes], width_mm: FloatArray) -> list[Shapes]:
         For each wall but the last, (I,) MultiPolygon, mostly empty.
     """
     return [
-        in_chunks(partial(_gaps, into_wall=_INTO_WALL if number else _INTO_WAVES), outer, inner, width_mm)[0]
+        _gaps(outer, inner, width_mm, _INTO_WALL if number else _INTO_WAVES)
         for number, (outer, inner) in enumerate(pairwise(walls))
     ]
 
 
-def _gaps(outer: Shapes, inner: Shapes, width_mm: FloatArray, into_wall: float) -> tuple[Shapes]:
+def _gaps(outer: Shapes, inner: Shapes, width_mm: FloatArray, into_wall: float) -> Shapes:
     found = np.full(len(outer), shapely.Polygon(), dtype=object)
     rows = np.flatnonzero(_lose_length(outer, inner, width_mm))
     near = shapely.buffer(inner[rows], _NEAR * width_mm[rows], quad_segs=2)
@@ -60,7 +59,7 @@ def _gaps(outer: Shapes, inner: Shapes, width_mm: FloatArray, into_wall: float) 
     if large.any():
         filled, group = np.unique(owner[large], return_inverse=True)
         found[rows[filled]] = shapely.multipolygons(parts[large], indices=group)
-    return (found,)
+    return found
 
 
 def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArray:

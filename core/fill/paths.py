@@ -7,21 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model import FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths, middle_heights
 from ..toolpaths.moves import Feature, Paths
-from .bridges import Bridges, bridges, without
+from .bridges import Bridges, bridged
+from .closing import closed, covering
 from .concentric import nested
 from .gap_fill import gap_paths, gaps_between
 from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
 from .parallel import Shapes, in_chunks
-from .skins import solid_and_sparse
+from .skins import Skins, solid_and_sparse
 from .walls import boundary_paths, simplified, wall_paths, walls_and_fill
 
-_COVER_MM = 0.05  # outlines differ by this from the true ones, to see what covers what
 _ISLAND_MM = 0.02  # a twentieth of a line: not to be seen behind the outline, and a sixth of the vertices
 _LONGEST_SPARSE_LINK = 3.0  # in spacings, along the wall
 _LONGEST_SOLID_LINK = 4.0  # in line widths, along the lines; beside a boundary that they run along links would pile up
@@ -65,54 +65,65 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
         INNER_WALL loops whose first centre line lies a line width inside the island's boundary, and SKIN, BRIDGE
         and INFILL lines. Islands are numbered by their place in `islands`.
     """
-    outlines = covering(sliced)
-    (islands,) = in_chunks(lambda part: (simplified(part, _ISLAND_MM),), islands)
-    return fill_lines(fill_areas(islands, island_layer, outlines, settings), outlines, island_layer, settings)
-
-
-def covering(sliced: Shapes) -> Shapes:
-    """(L,) cross-sections as exact as it takes to see what covers what."""
-    return in_chunks(lambda part: (simplified(part, _COVER_MM),), sliced)[0]
+    islands = simplified(islands, _ISLAND_MM)
+    _, inside = walls_and_fill(islands, line_widths(island_layer, settings), settings)
+    known = closed(inside, island_layer, covering(sliced), settings)
+    areas = fill_areas(islands, island_layer, known.skins.regions, known.skins.whole, settings)
+    return fill_lines(areas, known.bridges, island_layer, settings)
 
 
 def fill_areas(
-    islands: Shapes, island_layer: IntArray, outlines: Shapes, settings: PrintSettings
+    islands: Shapes, island_layer: IntArray, solid: Shapes, whole: BoolArray, settings: PrintSettings
 ) -> tuple[Shapes, ...]:
     """What is filled how in each island, whatever the others are.
 
     Args:
         islands: (I,) as in `fill_paths`, but valid ones, simplified.
         island_layer: (I,) int64.
-        outlines: (L,) cross-sections, see `covering`.
+        solid: (I,) and
+        whole: (I,) bool, where these are to be solid, see `Skins`.
         settings: walls, skins and fill.
 
     Returns:
         (I,) each: the regions bounded by the walls' centre lines, from the islands themselves in; the gaps between
         each wall and the next; skins and sparse fill.
     """
-    width = line_widths(island_layer, settings)
-    walls, fill = walls_and_fill(islands, width, settings)
-    return *walls, *gaps_between(walls, width), *solid_and_sparse(outlines, fill, island_layer, settings)
+
+    def chunk(islands: Shapes, layer: IntArray, solid: Shapes, whole: BoolArray) -> tuple[Shapes, ...]:
+        width = line_widths(layer, settings)
+        walls, fill = walls_and_fill(islands, width, settings)
+        return *walls, *gaps_between(walls, width), *solid_and_sparse(fill, Skins(solid, whole), settings)
+
+    return in_chunks(chunk, islands, island_layer, solid, whole)
 
 
-def fill_lines(areas: tuple[Shapes, ...], outlines: Shapes, island_layer: IntArray, settings: PrintSettings) -> Paths:
-    """The lines that fill areas; arguments as of `fill_areas`, whose result is the first, result as of `fill_paths`."""
+def fill_lines(areas: tuple[Shapes, ...], over_air: Bridges, island_layer: IntArray, settings: PrintSettings) -> Paths:
+    """The lines that fill areas.
+
+    Args:
+        areas: (I,) each, as of `fill_areas`.
+        over_air: the bridges among the skins.
+        island_layer: (I,) int64.
+        settings: walls, skins and fill.
+
+    Returns:
+        As of `fill_paths`.
+    """
     width = line_widths(island_layer, settings)
     *bounded, solid, sparse = areas
     walls, narrow = bounded[: len(bounded) // 2 + 1], bounded[len(bounded) // 2 + 1 :]
     with ThreadPoolExecutor(1) as beside:  # GEOS triangulates the gaps while numpy hatches
         along_gaps = beside.submit(gap_paths, narrow, island_layer, width)
-        lines = _hatched(solid, sparse, outlines, island_layer, settings)
+        lines = _hatched(solid, sparse, over_air, island_layer, settings)
     return Paths.joined([wall_paths(walls[1:], island_layer, width), along_gaps.result(), *lines])
 
 
 def _hatched(
-    solid: Shapes, sparse: Shapes, outlines: Shapes, island_layer: IntArray, settings: PrintSettings
+    solid: Shapes, sparse: Shapes, over_air: Bridges, island_layer: IntArray, settings: PrintSettings
 ) -> list[Paths]:
     """Bridges, skins and sparse fill."""
     width = line_widths(island_layer, settings)
-    spanned = bridges(solid, sparse, outlines, island_layer, settings)
-    solid, sparse = without(solid, spanned), without(sparse, spanned)
+    spanned, solid, sparse = bridged(over_air, solid, sparse)
     lines = [hatch_paths(planned(solid, sparse, island_layer, settings), island_layer)]
     if len(spanned.island):
         lines.append(hatch_paths(bridging(spanned, island_layer, settings), island_layer))

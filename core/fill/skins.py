@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 
-from ..model import IntArray
+from ..model import BoolArray, IntArray
 from ..settings import PrintSettings
-from .parallel import Shapes, in_chunks
+from .parallel import Shapes
 from .walls import offset
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
@@ -15,40 +17,70 @@ _AREA_ERROR_MM2 = 0.01  # of an overlay that went right
 _SMALLEST_SPARSE_MM2 = 10.0  # a sparse remnant below this holds a line or two at best
 
 
-def solid_and_sparse(
-    outlines: Shapes, fill: Shapes, island_layer: IntArray, settings: PrintSettings
-) -> tuple[Shapes, Shapes]:
-    """Divide the region to fill of every island into its skins and its sparse inside.
+@dataclass(frozen=True)
+class Skins:
+    """Where the fill of I islands is to be solid.
 
-    Solid is what is not covered by all of the `top_solid_layers` layers above and the `bottom_solid_layers` below,
-    less slivers, grown by a line width so that it stands on the sparse fill's neighbours. Remnants of sparse fill too
-    small to hold a line become solid.
+    Attributes:
+        regions: (I,) Polygon or MultiPolygon, beyond the region to fill as well; empty where nothing is.
+        whole: (I,) bool, islands that are solid throughout; their `regions` are empty.
+    """
+
+    regions: Shapes
+    whole: BoolArray
+
+
+def skins(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: PrintSettings) -> Skins:
+    """Find what is not covered by all of the `top_solid_layers` layers above and the `bottom_solid_layers` below.
+
+    Slivers apart, it is grown by a line width, so that it stands on the sparse fill's neighbours.
 
     Args:
-        outlines: (L,) whole cross-section of each layer.
-        fill: (I,) region to fill of each island.
+        inside: (I,) the region to fill of each island, or somewhat more.
         island_layer: (I,) layer of each island.
+        outlines: (L,) whole cross-section of each layer.
         settings: the numbers of solid layers, `infill_density` and `extrusion_width` are read.
+    """
+    regions = np.full(len(inside), shapely.Polygon(), dtype=object)
+    if settings.infill_density >= 100.0:
+        return Skins(regions, np.ones(len(inside), dtype=bool))
+    steps = [*range(-settings.bottom_solid_layers, 0), *range(settings.top_solid_layers, 0, -1)]
+    width_mm = settings.extrusion_width
+    sliver_mm2 = np.pi * (0.25 * width_mm) ** 2  # below this nothing is left half a width wide
+    pieces, owner = uncovered(inside, island_layer, outlines, steps, sliver_mm2)
+    whole = np.bincount(owner, shapely.area(pieces), len(inside)) >= shapely.area(inside) - _AREA_ERROR_MM2
+    pieces, owner = pieces[~whole[owner]], owner[~whole[owner]]
+    cores, piece = shapely.get_parts(offset(pieces, -0.25 * width_mm), return_index=True)
+    wide = ~shapely.is_empty(cores)
+    if wide.any():
+        of_region = owner[piece[wide]]
+        order = np.argsort(of_region, kind="stable")
+        rows, group = np.unique(of_region[order], return_inverse=True)
+        regions[rows] = offset(shapely.multipolygons(cores[wide][order], indices=group), 1.25 * width_mm)
+    return Skins(regions, whole)
+
+
+def solid_and_sparse(fill: Shapes, found: Skins, settings: PrintSettings) -> tuple[Shapes, Shapes]:
+    """Divide the region to fill of every island into its skins and its sparse inside.
+
+    Remnants of sparse fill too small to hold a line become solid.
+
+    Args:
+        fill: (I,) region to fill of each island.
+        found: where these are to be solid.
+        settings: `infill_density` is read.
 
     Returns:
         (I,) solid and (I,) sparse regions; they do not overlap, and together they are `fill`.
     """
-    if settings.infill_density >= 100.0:
-        return fill, np.full(len(fill), shapely.Polygon(), dtype=object)
-    steps = [*range(-settings.bottom_solid_layers, 0), *range(settings.top_solid_layers, 0, -1)]
-    width_mm = settings.extrusion_width
-    sliver_mm2 = np.pi * (0.25 * width_mm) ** 2  # below this nothing is left half a width wide
     remnant_mm2 = _SMALLEST_SPARSE_MM2 if settings.infill_density > 0.0 else 0.0
-
-    def chunk(inside: Shapes, layer: IntArray) -> tuple[Shapes, Shapes]:
-        pieces, owner = uncovered(inside, layer, outlines, steps, sliver_mm2)
-        solid, sparse = _divided(inside, pieces, owner, width_mm)
-        return _with_remnants(inside, solid, sparse, remnant_mm2)
-
     solid, sparse = fill.copy(), np.full(len(fill), shapely.Polygon(), dtype=object)
-    rows = np.flatnonzero(shapely.area(fill) >= remnant_mm2)
-    solid[rows], sparse[rows] = in_chunks(chunk, fill[rows], island_layer[rows])
-    return solid, sparse
+    open_inside = ~found.whole & (shapely.area(fill) >= remnant_mm2)
+    plain = open_inside & shapely.is_empty(found.regions)
+    solid[plain], sparse[plain] = shapely.Polygon(), fill[plain]
+    cut = np.flatnonzero(open_inside & ~plain)
+    solid[cut], sparse[cut] = _parted(fill[cut], found.regions[cut])
+    return _with_remnants(fill, solid, sparse, remnant_mm2)
 
 
 def uncovered(
@@ -117,23 +149,6 @@ def _polygonal(shapes: Shapes) -> Shapes:
     mixed |= shapely.get_dimensions(shapes) < 2
     shapes[mixed] = shapely.buffer(shapes[mixed], 0.0)
     return shapes
-
-
-def _divided(inside: Shapes, pieces: Shapes, owner: IntArray, width_mm: float) -> tuple[Shapes, Shapes]:
-    """The regions' part within a width of (P,) uncovered pieces, slivers apart, and the rest of them."""
-    solid, sparse = np.full(len(inside), shapely.Polygon(), dtype=object), inside.copy()
-    bare = np.bincount(owner, shapely.area(pieces), len(inside)) >= shapely.area(inside) - _AREA_ERROR_MM2
-    solid[bare], sparse[bare] = inside[bare], shapely.Polygon()
-    pieces, owner = pieces[~bare[owner]], owner[~bare[owner]]
-    cores, piece = shapely.get_parts(offset(pieces, -0.25 * width_mm), return_index=True)
-    wide = ~shapely.is_empty(cores)
-    if wide.any():
-        of_region = owner[piece[wide]]
-        order = np.argsort(of_region, kind="stable")
-        rows, group = np.unique(of_region[order], return_inverse=True)
-        gathered = shapely.multipolygons(cores[wide][order], indices=group)
-        solid[rows], sparse[rows] = _parted(inside[rows], offset(gathered, 1.25 * width_mm))
-    return solid, sparse
 
 
 def _with_remnants(inside: Shapes, solid: Shapes, sparse: Shapes, smallest_mm2: float) -> tuple[Shapes, Shapes]:

@@ -10,7 +10,7 @@ from ..settings import PrintSettings
 from ..slicing.outlines import starts
 from ..toolpaths.moves import Feature, Paths
 from .mitres import MITRE_LIMIT, moved
-from .parallel import Shapes, in_chunks
+from .parallel import Shapes
 
 _SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls by
 
@@ -43,13 +43,9 @@ def offset(shapes: Shapes, distance_mm: float | FloatArray) -> Shapes:
 
 def offset_outlines(shapes: Shapes, distance_mm: FloatArray) -> Shapes:
     """The same for many valid polygons of many corners, few of which split or meet, in half the time."""
-
-    def chunk(some: Shapes, distance: FloatArray) -> tuple[Shapes]:
-        grown, sound = moved(some, distance)
-        grown[~sound] = offset(some[~sound], distance[~sound])
-        return (grown,)
-
-    return in_chunks(chunk, shapes, distance_mm, chunks_a_thread=1)[0]
+    grown, sound = moved(shapes, distance_mm)
+    grown[~sound] = offset(shapes[~sound], distance_mm[~sound])
+    return grown
 
 
 def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSettings) -> tuple[list[Shapes], Shapes]:
@@ -69,8 +65,7 @@ def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSetting
     walls = [islands]
     for _ in range(settings.perimeters):
         walls.append(offset_outlines(walls[-1], -width_mm))
-    (inside,) = in_chunks(lambda part: (simplified(part, _SIMPLIFY_MM),), walls[-1])
-    return walls, offset_outlines(inside, overlap * width_mm)
+    return walls, offset_outlines(simplified(walls[-1], _SIMPLIFY_MM), overlap * width_mm)
 
 
 def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:

@@ -1,0 +1,82 @@
+"""What closes the print above and below, which needs no tone: it is worked out while the picture is looked up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ..model import FloatArray, IntArray
+from ..settings import PrintSettings
+from ..slicing.planes import line_widths
+from ..slicing.regions import layer_regions
+from .bridges import Bridges, bridges
+from .parallel import Shapes
+from .skins import Skins, skins
+from .walls import offset, simplified
+
+_COVER_MM = 0.05  # outlines differ by this from the true ones, to see what covers what
+
+
+@dataclass(frozen=True)
+class Closing:
+    """Skins and bridges of I islands, before it is known how far the outer wall leaves them room.
+
+    Attributes:
+        outlines: (L,) cross-section of each layer, as exact as it takes to see what covers what.
+        skins: where fill is to be solid.
+        bridges: which of it spans air.
+    """
+
+    outlines: Shapes
+    skins: Skins
+    bridges: Bridges
+
+
+def closing(polygons: Shapes, polygon_layer: IntArray, layers: int, settings: PrintSettings) -> Closing:
+    """What closes islands behind an outer wall that no tone sets back.
+
+    Behind the wall as it is printed less is left to fill, but for what its roundness and waves that fade leave.
+
+    Args:
+        polygons: (I,) sliced regions.
+        polygon_layer: (I,) layer of each, not decreasing.
+        layers: L.
+        settings: those of walls and fill, and of the waves' depth.
+    """
+    simple = simplified(polygons, _COVER_MM)
+    width = line_widths(polygon_layer, settings)
+    walls = (settings.perimeters + 1 - settings.infill_overlap / 100.0) * width
+    inside = offset(simple, -(walls + _least_reach(polygon_layer, settings)))
+    return closed(inside, polygon_layer, _layers_of(simple, polygon_layer, layers), settings)
+
+
+def closed(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: PrintSettings) -> Closing:
+    """What closes islands whose region to fill is known, or somewhat less; arguments as of `skins`."""
+    found = skins(inside, island_layer, outlines, settings)
+    return Closing(outlines, found, bridges(inside, found, outlines, island_layer, settings))
+
+
+def covering(sliced: Shapes) -> Shapes:
+    """(L,) cross-sections as exact as it takes to see what covers what."""
+    parts, layer = shapely.get_parts(sliced, return_index=True)
+    return _layers_of(simplified(parts, _COVER_MM), layer, len(sliced))
+
+
+def _layers_of(shapes: Shapes, layer: IntArray, layers: int) -> Shapes:
+    """(L,) the shapes of each layer, which may meet since they were simplified, in one."""
+    parts, owner = shapely.get_parts(shapes, return_index=True)
+    some = ~shapely.is_empty(parts)
+    outlines = layer_regions(parts[some], layer[owner[some]], layers)
+    crossing = ~shapely.is_valid(outlines)
+    outlines[crossing] = shapely.buffer(outlines[crossing], 0)
+    return outlines
+
+
+def _least_reach(layer: IntArray, settings: PrintSettings) -> FloatArray:
+    """(I,) mm, how far inwards of its middle a fully attenuated wave reaches."""
+    if settings.pattern == "offset":
+        return np.zeros(len(layer))
+    depth = min(settings.wave_depth_min, settings.wave_depth_max)
+    return np.where(layer < settings.flat_layers, 0.0, depth / 2)
