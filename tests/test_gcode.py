@@ -4,7 +4,15 @@ import re
 
 import numpy as np
 import pytest
-from dualcolor.core.gcode.numbers import coordinate_words, feedrate_words, filament_words
+from dualcolor.core.gcode.numbers import (
+    coordinate_texts,
+    coordinate_words,
+    feedrate_texts,
+    feedrate_words,
+    filament_words,
+    five_decimals,
+    whole_texts,
+)
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics import move_seconds
@@ -62,6 +70,27 @@ def test_numbers_are_written_as_python_writes_them():
     assert texts(filament_words(steps)) == [f"{n / 1e5:.5f}" for n in steps.tolist()]
     feedrates = np.concatenate([np.arange(1, 2000), rng.integers(1, 100_000, 1000)]).astype(np.int32)
     assert texts(feedrate_words(feedrates)) == [f" F{n}" for n in feedrates.tolist()]
+
+
+def test_tables_hold_the_numbers_as_python_writes_them():
+    for low, high in ((0, 0), (-1, 1), (-999, 1000), (-123_456, 7), (5, 20_000)):
+        table, zero = coordinate_texts(low, high)
+        there = np.arange(low, high + 1)
+        assert texts([table[there + zero].view(np.uint32).reshape(-1, 2)]) == [
+            f"{n / 1000:.3f}" for n in there.tolist()
+        ]
+    assert texts([five_decimals().view(np.uint32).reshape(-1, 2)]) == [f"{n:05d}" for n in range(100_000)]
+    assert texts([feedrate_texts(12_345).view(np.uint32).reshape(-1, 2)])[1:] == [f" F{n}" for n in range(1, 12_346)]
+    for letters, most in (([" A", " B"], 99_999), ([" A-", " B-"], 9_999), ([" E", " E-"], 0)):
+        for letter, row in zip(letters, whole_texts(letters, most), strict=True):
+            assert texts([row.view(np.uint32).reshape(-1, 2)]) == [f"{letter}{n}." for n in range(most + 1)]
+
+
+def test_counters_beyond_the_file_are_refused():
+    fed, pulled = (9, 0, 0.2, 0, OUTER_WALL, 0, 25, 100_001), (0, 0, 0.2, 0, RETRACT, 0, 25, -10_100)
+    for row in (fed, pulled):
+        with pytest.raises(ValueError, match="more filament"):
+            gcode_text(table((0, 0, 0.2, 0, TRAVEL, 0, 25, 0), row), PrintSettings(), [])
 
 
 def test_small_file_word_for_word():

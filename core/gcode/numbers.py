@@ -1,10 +1,12 @@
-"""Fixed-point numbers as text in bulk: every number becomes three or four table look-ups of four characters each.
+"""Fixed-point numbers as text in bulk: every number becomes a few table look-ups of four or eight characters each.
 
-A line of text is a row of 32-bit words; bytes that stay 0 are deleted at the end, which takes care of leading
-zeros, missing signs and words that a line does not have.
+A line of text is a row of such words; bytes that stay 0 are deleted at the end, which takes care of leading zeros,
+missing signs and words that a line does not have.
 """
 
 from __future__ import annotations
+
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +14,11 @@ from numpy.typing import NDArray
 from ..model import IntArray
 
 WordArray = NDArray[np.uint32]
+TextArray = NDArray[np.uint64]
 
 COORDINATE_LIMIT = 10**6  # in steps of 0.001 mm
 FILAMENT_LIMIT = 10**10  # in steps of 0.00001 mm
+BACKWARDS_LIMIT = 10**9  # the same, below 0
 FEEDRATE_LIMIT = 10**5
 
 
@@ -81,3 +85,42 @@ def feedrate_words(feedrate: NDArray[np.int32]) -> tuple[WordArray, WordArray]:
     rest = feedrate - thousands * _THOUSAND
     rest += _THOUSAND * (thousands > 0)
     return _FEEDRATE.take(thousands), _REST.take(rest)
+
+
+def coordinate_texts(low: int, high: int) -> tuple[TextArray, int]:
+    """Numbers with 3 decimals, at least those from low to high, in thousandths, and the place of 0 among them."""
+    below, above = (
+        _paired(np.repeat(texts[: most // 1000 + 1], 1000), np.tile(_FRACTION, most // 1000 + 1))
+        for texts, most in ((_SIGNED[1000:], max(-low, 0)), (_SIGNED, max(high, 0)))
+    )
+    return np.concatenate([below[:0:-1], above]), len(below) - 1
+
+
+def whole_texts(letters: list[str], most: int) -> TextArray:
+    """(L, most + 1) the whole numbers from 0 to `most`, each after a letter and a sign and before a decimal point.
+
+    Args:
+        letters: L texts of two characters, or of three where no number has five digits.
+        most: less than 100,000.
+    """
+    thousands, units = np.divmod(np.arange(most + 1), 1000)
+    units += 1000 * (thousands > 0)
+    upper = [words([f"{letter}{n or ''}" for n in range(int(thousands[-1]) + 1)]) for letter in letters]
+    return np.stack([_paired(column[thousands], _UNITS[units]) for column in upper])
+
+
+@cache
+def five_decimals() -> TextArray:
+    """(100000,) the numbers from 0 on in five digits."""
+    return _paired(np.repeat(_FOUR, 10), np.tile(_LAST, len(_FOUR)))
+
+
+def feedrate_texts(most: int) -> TextArray:
+    """(most + 1,) the feedrates up to `most`, as of `feedrate_words`."""
+    return _paired(*feedrate_words(np.arange(most + 1, dtype=np.int32)))
+
+
+def _paired(first: WordArray, second: WordArray) -> TextArray:
+    """(N,) eight characters of four and four."""
+    pairs: TextArray = np.stack([first, second], axis=1).view(np.uint64)[:, 0]
+    return pairs

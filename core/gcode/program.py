@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..pattern.chunks import in_chunks
+from ..pattern.chunks import CHUNK_ROWS
 from ..printer import PrinterProfile
 from ..settings import PrintSettings
 from ..statistics import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Feature, Moves
 from .marlin import fed_by_each
-from .numbers import COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
+from .numbers import BACKWARDS_LIMIT, COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
 from .standby import standby_commands
 
@@ -103,10 +103,11 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
         begins = layer_begins(moves, seconds)
         if settings.standby_temperature_delta:
             idle = standby_commands(moves, seconds, settings)
-    places, insertions = _insertions(moves, extrudes, kept_before, begins, idle, printer)
+    strands = np.flatnonzero(extrudes)
+    places, insertions = _insertions(moves, strands, kept_before, begins, idle, printer)
     last_tool = int(moves.tool[-1])
     end = end_sequence(settings, last_tool, counters[last_tool])
-    widens, widths = _width_changes(moves, extrudes, settings.extrusion_width)
+    widens, widths = _width_changes(moves, strands, settings.extrusion_width)
     return Program(start.lines, lines, places, insertions, kept_before[widens], widths, end)
 
 
@@ -124,28 +125,30 @@ def _check(moves: Moves) -> None:
 def _start(moves: Moves, extrudes: BoolArray, settings: PrintSettings) -> StartSequence:
     first = int(moves.tool[0])
     others = (1 - first,) if (moves.tool != first).any() else ()
-    front = float(moves.position[extrudes, 1].min()) if extrudes.any() else 0.0
+    front = float(np.where(extrudes, moves.position[:, 1], np.inf).min()) if extrudes.any() else 0.0
     return start_sequence(settings, (*others, first), (_first_prime(moves, 0), _first_prime(moves, 1)), front)
 
 
 def _first_prime(moves: Moves, tool: int) -> float:
     """Mm by which the moves expect the tool's filament to be pulled back before they first feed it."""
-    fed = np.flatnonzero((moves.tool == tool) & (moves.filament != 0))
-    if not len(fed) or moves.feature[fed[0]] != Feature.RETRACT:
+    feeds = (moves.tool == tool) & (moves.filament != 0)
+    first = int(feeds.argmax())
+    if not feeds[first] or moves.feature[first] != Feature.RETRACT:
         return 0.0
-    return max(float(moves.filament[fed[0]]), 0.0)
+    return max(float(moves.filament[first]), 0.0)
 
 
 def _filament_steps(moves: Moves, begin: tuple[float, float]) -> tuple[list[float], IntArray]:
     """Each tool's final counter in mm, and (M,) the active tool's counter in 0.00001 mm after each row."""
-    steps, totals = np.empty(len(moves.tool), dtype=np.int64), list(begin)
-    for tool in (0, 1):
-        rows = np.flatnonzero(moves.tool == tool)
-        if len(rows):
-            counter = begin[tool] + np.cumsum(moves.filament[rows])
-            totals[tool] = float(counter[-1])
-            steps[rows] = np.rint(counter * 1e5)
-    if max(steps.max(), -steps.min()) >= FILAMENT_LIMIT:
+    is_first = moves.tool == 0
+    counters = [
+        start + np.cumsum(np.where(own, moves.filament, 0.0))
+        for start, own in zip(begin, (is_first, ~is_first), strict=True)
+    ]
+    totals = [float(counter[-1]) for counter in counters]
+    counter = np.where(is_first, counters[0], counters[1])
+    steps = np.rint(counter * 1e5).astype(np.int64)
+    if steps.max() >= FILAMENT_LIMIT or steps.min() <= -BACKWARDS_LIMIT:
         raise ValueError("the print needs more filament than the file's counters can hold")
     return totals, steps
 
@@ -160,34 +163,31 @@ def _after_break(tool: IntArray) -> BoolArray:
 def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Lines, IntArray]:
     """The lines to write, and (M,) how many of them stand before each row."""
     fresh = _after_break(moves.tool)
-    top_speed = printer.max_speed_mm_s[0]
-
-    def chunk(row: IntArray) -> tuple[NDArray[Any], ...]:
-        """The columns of the lines of some rows that follow each other, and for every row whether it has one."""
-        here = slice(int(row[0]), int(row[-1]) + 1)
-        near = moves.position[max(here.start - 1, 0) : here.stop].T
-        thousandths = np.multiply(near, 1000, order="C")
-        thousandths = np.rint(thousandths, out=thousandths).astype(np.int32)
-        written = np.repeat(fresh[None, here], 3, axis=0)
-        # The first row of all has none before it; it is fresh anyway.
-        written[:, max(1 - here.start, 0) :] |= thousandths[:, 1:] != thousandths[:, :-1]
-        feeds = moves.filament[here] != 0
-        feedrate = np.rint(np.minimum(moves.speed[here], top_speed) * 60).clip(1, FEEDRATE_LIMIT - 1).astype(np.int32)
-        kept = written.any(axis=0) | feeds
-        columns = [thousandths[:, -len(row) :], written, steps[here], feeds, moves.tool[here], feedrate, fresh[here]]
-        if not kept.all():
-            columns = [column[..., kept] for column in columns]
-        return *(column.T for column in columns), kept
-
-    *columns, kept = in_chunks(chunk, np.arange(len(moves.tool)))
-    lines = Lines(*columns)
+    thousandths = np.empty((3, len(fresh)), dtype=np.int32)
+    for row in range(0, len(fresh), CHUNK_ROWS):
+        here = slice(row, row + CHUNK_ROWS)
+        scaled = np.multiply(moves.position[here].T, 1000, order="C")
+        thousandths[:, here] = np.rint(scaled, out=scaled)
+    written = np.repeat(fresh[None], 3, axis=0)
+    written[:, 1:] |= thousandths[:, 1:] != thousandths[:, :-1]
+    feeds = moves.filament != 0
+    feedrate = np.minimum(moves.speed, printer.max_speed_mm_s[0])
+    feedrate *= 60
+    feedrate = np.rint(feedrate, out=feedrate).clip(1, FEEDRATE_LIMIT - 1, out=feedrate).astype(np.int32)
+    kept = written.any(axis=0) | feeds
+    columns: list[NDArray[Any]] = [thousandths, written, steps, feeds, moves.tool, feedrate, fresh]
+    before = np.arange(len(kept))
+    if not kept.all():
+        columns = [column[..., kept] for column in columns]
+        before = np.cumsum(kept) - kept
+    lines = Lines(*(column.T for column in columns))
     lines.hastens[1:] |= lines.feedrate[1:] != lines.feedrate[:-1]
-    return lines, np.cumsum(kept) - kept
+    return lines, before
 
 
 def _insertions(
     moves: Moves,
-    extrudes: BoolArray,
+    strands: IntArray,
     kept_before: IntArray,
     begins: FloatArray,
     idle: IdleCommands,
@@ -197,7 +197,7 @@ def _insertions(
 
     Args:
         moves: the print.
-        extrudes: (M,) which of them lay down a strand.
+        strands: (E,) rows that lay down a strand.
         kept_before: (M,) how many lines stand before each row.
         begins: s that pass before each layer, and the total.
         idle: see `standby_commands`.
@@ -209,16 +209,20 @@ def _insertions(
     layer_starts = layer_changes(moves.layer)
     tool_starts = _after_break(moves.tool)
     tool_starts[0] = False
-    feature_starts = _feature_starts(moves, extrudes)
-    starts = layer_starts | tool_starts | feature_starts
-    starts[list(idle[0])] = True
-    rows = np.flatnonzero(starts)
+    feature = moves.feature[strands]
+    feature_starts = np.zeros(len(layer_starts), dtype=bool)
+    feature_starts[strands[np.append(True, feature[1:] != feature[:-1])[: len(feature)]]] = True
+    others = layer_starts | tool_starts
+    others[list(idle[0])] = True
+    rows = np.flatnonzero(others | feature_starts)
+    insertions = [[_FEATURE_COMMENTS[number]] for number in moves.feature[rows].tolist()]
     percents = iter(_percents(begins))
-    insertions = []
     shown = 0
-    of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts, moves.feature)
-    for row, *told in zip(rows.tolist(), *(column[rows].tolist() for column in of_rows), strict=True):
-        new_layer, layer, new_tool, tool, new_feature, feature = told
+    of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts)
+    place = np.flatnonzero(others[rows])
+    columns = (place, rows[place], *(column[rows[place]] for column in of_rows))
+    for number, row, *told in zip(*(column.tolist() for column in columns), strict=True):
+        new_layer, layer, new_tool, tool, new_feature = told
         lines = list(idle[0].get(row, []))
         if new_layer:
             lines.append(f"; layer {layer}")
@@ -228,25 +232,22 @@ def _insertions(
                 shown = percent
         lines += tool_change_lines(tool, printer) if new_tool else []
         lines += idle[1].get(row, [])
-        if new_feature:
-            lines.append(_FEATURE_COMMENTS[feature])
-        insertions.append(lines)
+        insertions[number] = lines + insertions[number] * new_feature
     return kept_before[rows], insertions
 
 
-def _width_changes(moves: Moves, extrudes: BoolArray, usual: float) -> tuple[IntArray, IntArray]:
+def _width_changes(moves: Moves, strands: IntArray, usual: float) -> tuple[IntArray, IntArray]:
     """Rows from which on the width is another one, and these widths in steps.
 
     From the filament alone, whose lengths are rounded as those of the moves are, the width of a short move cannot be
     told exactly.
     """
-    rows = np.flatnonzero(extrudes)
-    width = moves.width[rows]
+    width = moves.width[strands]
     # Most neighbours have the very same width.
-    changes = np.flatnonzero(np.append(True, width[1:] != width[:-1]))[: len(rows)]
+    changes = np.flatnonzero(np.append(True, width[1:] != width[:-1]))[: len(strands)]
     steps = np.rint(width[changes] / WIDTH_STEP).astype(np.int64)
     told = np.diff(steps, prepend=round(usual / WIDTH_STEP)) != 0
-    return rows[changes[told]], steps[told]
+    return strands[changes[told]], steps[told]
 
 
 def _percents(begins: FloatArray) -> list[int]:
@@ -254,13 +255,3 @@ def _percents(begins: FloatArray) -> list[int]:
     share = begins[:-1] / begins[-1] if begins[-1] > 0 else begins[:-1]
     percents: list[int] = (share * 100).astype(np.int64).clip(0, 99).tolist()
     return percents
-
-
-def _feature_starts(moves: Moves, extrudes: BoolArray) -> BoolArray:
-    """(M,) rows that extrude for another feature than those before them."""
-    rows = np.flatnonzero(extrudes)
-    feature = moves.feature[rows]
-    starts = np.zeros(len(moves.feature), dtype=bool)
-    starts[rows[:1]] = True
-    starts[rows[1:]] = feature[1:] != feature[:-1]
-    return starts

@@ -2,27 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import FloatArray, IntArray
 from ..pattern.chunks import in_threads
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
-from .numbers import WordArray, coordinate_words, feedrate_words, filament_words, word
+from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word
 from .program import WIDTH_STEP, Lines, Program, program
 from .texts import written
 
-_CHUNK_ROWS = 1 << 14  # a chunk's words stay in the processor's cache
+_CHUNK_ROWS = 1 << 13  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900
-_LINE_WORDS = 17
-_G1_X, _G1, _Y, _Z, _NEWLINE = (word(text) for text in ("G1 X", "G1", " Y", " Z", "\n"))
+_STEPS_A_MM = 100_000  # of filament
+_G1, _Z = word("G1"), word(" Z")
 _MARK = b"\1"  # after a line that something else follows
 _NEWLINE_AND_MARK = word("\n\1")
+# Letters with a blank, and the numbers after them; the letter of `whole` stands in its table.
+_NAMES = "G1", "x", "Y", "y", "Z", "z", "whole", "fraction", "feedrate", "end"
+_LINE = np.dtype([(name, "u4" if name in ("G1", "Y", "Z", "end") else "u8") for name in _NAMES])
+_USUAL_LINE = np.zeros(1, dtype=_LINE)
+for _name, _text in (("G1", "G1 X"), ("Y", " Y"), ("end", "\n")):
+    _USUAL_LINE[_name] = word(_text)
+
+
+@dataclass(frozen=True)
+class _Tables:
+    """Text by number, eight characters each, for the numbers of some lines.
+
+    Attributes:
+        coordinate: in steps of a thousandth.
+        zero: place of 0 among them.
+        whole: (4, W) mm of filament from 0 on behind the letters of both tools, then the same below 0.
+        feedrate: mm/min from 0 on.
+    """
+
+    coordinate: TextArray
+    zero: int
+    whole: TextArray
+    feedrate: TextArray
 
 
 def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None) -> bytes:
@@ -45,9 +67,8 @@ def counted_text(
         ValueError: no moves, or numbers that are not finite or too large for the file.
     """
     told = program(moves, settings, begins)
-    axes = np.array([word(f" {axis}") for axis in settings.printer_profile.tool_axes], dtype=np.uint32)
     places, texts = _with_widths(told)
-    body = _body(told.lines, axes, places, texts)
+    body = _body(told.lines, settings.printer_profile.tool_axes, places, texts)
     text = b"".join([_joined(_header_lines(settings, header) + told.start), *body, _joined(told.end)])
     others = sum(line.startswith("G1 ") for lines in (told.start, *told.insertions, told.end) for line in lines)
     return text, len(told.lines.tool) + others
@@ -64,16 +85,16 @@ def _with_widths(told: Program) -> tuple[IntArray, list[bytes]]:
     return places[order], [texts[number] for number in order.tolist()]
 
 
-def _body(lines: Lines, axes: WordArray, places: IntArray, texts: list[bytes]) -> list[bytes]:
+def _body(lines: Lines, axes: Sequence[str], places: IntArray, texts: list[bytes]) -> list[bytes]:
     """The lines as text with the other texts between them, in pieces."""
     count = len(lines.tool)
     distinct, first = np.unique(places, return_index=True)
     begin_end = pairwise([*first.tolist(), len(texts)])
     inserted = [b"".join(texts[begin:end]) for begin, end in begin_end]
-    newline = np.full(count, _NEWLINE)
-    newline[distinct[distinct > 0] - 1] = _NEWLINE_AND_MARK
-    chunks = [slice(row, row + _CHUNK_ROWS) for row in range(0, count, _CHUNK_ROWS)]
-    rendered = in_threads(lambda rows: _rendered(lines, axes, newline, rows), chunks)
+    marked = distinct[distinct > 0] - 1
+    tables = _tables(lines, axes)
+    chunks = [slice(row, min(row + _CHUNK_ROWS, count)) for row in range(0, count, _CHUNK_ROWS)]
+    rendered = in_threads(lambda rows: _rendered(lines, tables, marked, rows), chunks)
     waiting = iter(inserted)
     pieces = [next(waiting)] if len(distinct) and distinct[0] == 0 else []
     for first_piece, *others in rendered:
@@ -83,42 +104,49 @@ def _body(lines: Lines, axes: WordArray, places: IntArray, texts: list[bytes]) -
     return pieces
 
 
-def _rendered(lines: Lines, axes: WordArray, newline: WordArray, rows: slice) -> list[bytes]:
-    """Some lines as text, cut at the marks: a row of words each, zero bytes deleted."""
-    thousandths, written, feeds = lines.thousandths[rows], lines.written[rows], lines.feeds[rows]
-    words = np.zeros((len(feeds), _LINE_WORDS), dtype=np.uint32)
-    for axis, letter in enumerate((_G1_X, _Y, _Z)):
-        _place(words, 3 * axis, written[:, axis], letter, coordinate_words, thousandths[:, axis])
-    words[~written[:, 0], 0] = _G1
-    _place(words, 9, feeds, axes.take(lines.tool[rows]), filament_words, lines.steps[rows])
-    hastens = np.flatnonzero(lines.hastens[rows])
-    words[hastens, 14], words[hastens, 15] = feedrate_words(lines.feedrate[rows][hastens])
-    words[:, 16] = newline[rows]
-    return words.tobytes().translate(None, b"\0").split(_MARK)
+def _tables(lines: Lines, axes: Sequence[str]) -> _Tables:
+    whole = max(int(lines.steps.max(initial=0)), -int(lines.steps.min(initial=0))) // _STEPS_A_MM
+    return _Tables(
+        *coordinate_texts(int(lines.thousandths.min(initial=0)), int(lines.thousandths.max(initial=0))),
+        whole_texts([f" {axis}{sign}" for sign in ("", "-") for axis in axes], whole),
+        feedrate_texts(int(lines.feedrate.max(initial=0))),
+    )
 
 
-def _place(
-    words: WordArray,
-    column: int,
-    named: BoolArray,
-    letter: np.uint32 | WordArray,
-    number_words: Callable[[NDArray[Any]], tuple[WordArray, ...]],
-    numbers: NDArray[Any],
-) -> None:
-    """Write a letter and a number into the lines that name it, into the words from a column on.
+def _rendered(lines: Lines, tables: _Tables, marked: IntArray, rows: slice) -> list[bytes]:
+    """Some lines as text, cut behind the `marked` ones: a row of words each, zero bytes deleted.
 
     What most lines name is written into all of them and taken out of the others.
     """
-    if 2 * np.count_nonzero(named) > len(named):
-        parts = letter, *number_words(numbers)
-        for number, part in enumerate(parts, start=column):
-            words[:, number] = part
-        words[~named, column : column + len(parts)] = 0
-    else:
-        rows = np.flatnonzero(named)
-        words[rows, column] = np.broadcast_to(letter, len(named))[rows]
-        for number, part in enumerate(number_words(numbers[rows]), start=column + 1):
-            words[rows, number] = part
+    text = np.empty(rows.stop - rows.start, dtype=_LINE)
+    text.view(np.uint64).reshape(len(text), -1)[:] = _USUAL_LINE.view(np.uint64)
+    thousandths, written, feeds = lines.thousandths[rows], lines.written[rows], lines.feeds[rows]
+    for axis, name in enumerate(("x", "y")):
+        text[name] = tables.coordinate.take(thousandths[:, axis] + tables.zero)
+    text["whole"], text["fraction"] = _filament(lines.steps[rows], lines.tool[rows], tables)
+    for named, names in ((written[:, 0], ("x",)), (written[:, 1], ("Y", "y")), (feeds, ("whole", "fraction"))):
+        row = np.flatnonzero(~named)
+        for name in names:
+            text[name][row] = 0
+    text["G1"][~written[:, 0]] = _G1
+    row = np.flatnonzero(written[:, 2])
+    text["Z"][row], text["z"][row] = _Z, tables.coordinate.take(thousandths[row, 2] + tables.zero)
+    row = np.flatnonzero(lines.hastens[rows])
+    text["feedrate"][row] = tables.feedrate.take(lines.feedrate[rows][row])
+    first, last = np.searchsorted(marked, (rows.start, rows.stop))
+    text["end"][marked[first:last] - rows.start] = _NEWLINE_AND_MARK
+    return text.tobytes().translate(None, b"\0").split(_MARK)
+
+
+def _filament(steps: IntArray, tool: IntArray, tables: _Tables) -> tuple[TextArray, TextArray]:
+    """The filament's axis with the whole mm, and the fraction."""
+    size = np.abs(steps)
+    whole = size // _STEPS_A_MM
+    size -= _STEPS_A_MM * whole
+    whole += tables.whole.shape[1] * tool
+    if steps.min(initial=0) < 0:
+        whole += 2 * tables.whole.shape[1] * (steps < 0)
+    return tables.whole.take(whole), five_decimals().take(size)
 
 
 def _header_lines(settings: PrintSettings, header: list[str]) -> list[str]:
