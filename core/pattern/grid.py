@@ -23,7 +23,7 @@ class PointGrid:
         self.low = low - 3 * cell
         self.size = np.ceil((high - self.low) / cell).astype(np.int64) + 4
         self.bottom, top = (int(layer.min()), int(layer.max())) if len(layer) else (0, 0)
-        self.key = self._key(self._column(points), layer)
+        self.key = self._key(points, layer)
         cells = (top + 1 - self.bottom) * int(self.size.prod())
         self.order = np.argsort(self.key.astype(np.min_scalar_type(cells)), kind="stable")
         self.keys = self.key[self.order]
@@ -31,12 +31,14 @@ class PointGrid:
         table = table and cells < CELLS_A_POINT * len(points)
         self.begin = starts(np.bincount(self.key, minlength=cells)) if table else None
 
-    def _column(self, points: FloatArray) -> IntArray:
-        cell = np.floor((points - self.low) / self.cell).astype(np.int64)
-        return np.asarray(np.clip(cell, 2, self.size - 3))
-
-    def _key(self, column: IntArray, layer: IntArray) -> IntArray:
-        return np.asarray(((layer - self.bottom) * self.size[1] + column[:, 1]) * self.size[0] + column[:, 0])
+    def _key(self, points: FloatArray, layer: IntArray) -> IntArray:
+        """(N,) the cell of each point, counted through all rows of all layers."""
+        # Column by column: numpy is several times slower along rows of two.
+        x, y = (
+            np.clip(((points[:, axis] - self.low[axis]) / self.cell).astype(np.int64), 2, self.size[axis] - 3)
+            for axis in (0, 1)
+        )
+        return np.asarray(((layer - self.bottom) * self.size[1] + y) * self.size[0] + x)
 
     def bits_around(self, bits: Bits, rings: int = 1) -> Bits:
         """(N,) for each of the points the bits (N,) of all points that `candidates` finds for it, and maybe more."""
@@ -63,7 +65,7 @@ class PointGrid:
         Returns:
             (C,) indices of points, grouped by query, and (Q + 1,) where each query's group starts.
         """
-        key = self._key(self._column(query), layer)
+        key = self._key(query, layer)
         # The cells of a row are one run of the sorted keys.
         row = key[:, None] + np.arange(-rings, rings + 1) * self.size[0]
         if self.begin is None:

@@ -21,7 +21,7 @@ from .sampling import Projector
 # Every so many contour points are projected, and all between them where the surface is torn; every so many of these
 # are searched on the whole layer above, the others near where their neighbours' images are.
 STATION_STRIDE = 3
-SEARCHED = 4
+SEARCHED = 8
 # Neighbours whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
 
@@ -95,20 +95,26 @@ class PhaseGrid:
         out[known] = lines.arc_start[up] + np.mod(image - lines.arc_start[up], lines.length[up])
         return out
 
-    def spanning(self, lines: Contours, layers: int, stride: int) -> PhaseGrid:
-        """Only every so many layers, counted from the top, linked to one another over those between them."""
+    def spanning(self, lines: Contours, layers: int, spanned: int = 1) -> PhaseGrid:
+        """Only every so many layers, counted from the top, linked to one another over those between them.
+
+        This grid has every `spanned` layers itself, of which `layers` is a multiple.
+        """
         below = int(lines.layer.max(initial=0)) - lines.layer[self.loop]
+        fine = np.flatnonzero(below % layers == 0)
+        above = self.above[fine]
+        for _ in range(layers // spanned - 1):
+            above = self.carried(lines, above, np.ones(len(fine), dtype=bool))
+        arc, loop = self.arc[fine], self.loop[fine]
+        step = _steps(lines, arc, loop, above, layers * TEAR * float(self.length.mean()))
+        return _grid(lines, arc, loop, above, step)
+
+    def every(self, lines: Contours, stride: int) -> PhaseGrid:
+        """Only every so many nodes of each contour, at least four."""
         count = np.diff(self.start)
         local = np.arange(len(self.arc)) - self.start[self.loop]
         every = np.minimum(stride, np.maximum(count // 4, 1))[self.loop]
-        fine = np.flatnonzero(below % layers == 0)
-        above = self.arc[fine]
-        for _ in range(layers):
-            above = self.carried(lines, above, np.ones(len(fine), dtype=bool))
-        grid = _grid(lines, self.arc[fine], self.loop[fine], above, np.zeros(len(fine)))
-        step = _steps(lines, grid.arc, grid.loop, above, layers * TEAR * float(self.length.mean()))
-        grid = _grid(lines, grid.arc, grid.loop, above, step)
-        return grid.picked(lines, np.flatnonzero(local[fine] % every[fine] == 0))
+        return self.picked(lines, np.flatnonzero(local % every == 0))
 
     def rows(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
         """What lies above each edge that is not torn, as weighted edges of the contour above.
@@ -174,19 +180,19 @@ def _followed_images(
     above[searched] = image = _images(lines, projector, node[searched], usable)
     arc, loop = lines.arc[node[searched]], lines.loop[node[searched]]
     step = _steps(lines, arc, loop, image, tear)
-    owner = np.cumsum(searched) - 1
-    smooth = ~np.isnan(step)[owner]
-    near = np.flatnonzero(~searched & smooth)
-    others = np.flatnonzero(~searched & ~smooth)
-    above[others] = _images(lines, projector, node[others], usable)
-    at, owner = node[near], owner[near]
     ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
     length = np.mod(arc[ahead] - arc, lines.length[loop])
+    owner = np.cumsum(searched) - 1
+    smooth = (~np.isnan(step) & (length > 0))[owner]
+    near = np.flatnonzero(~searched & smooth)
+    at, owner = node[near], owner[near]
     up = loop_of(lines, image[owner])
     way = image[owner] + step[owner] * (lines.arc[at] - arc[owner]) / length[owner] - lines.arc_start[up]
     guess = lines.arc_start[up] + np.mod(way, lines.length[up])
     place, distance = projector.nearby(lines.points[at], guess)
     above[near] = np.where(distance <= projector.threshold, place, np.nan)
+    others = np.flatnonzero(~searched & np.isnan(above))
+    above[others] = _images(lines, projector, node[others], usable)
     return above
 
 

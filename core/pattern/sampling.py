@@ -6,14 +6,20 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import following, preceding, starts
+from ..slicing.outlines import ahead, preceding, starts
 from .chunks import in_chunks
-from .contours import Contours, long_enough, on_loop
+from .contours import Contours, long_enough, loop_of, on_loop
 from .grid import PointGrid, nearest
 from .spacing import SLACK, filled, pruned, relaxed, spacings
+
+ComplexArray = NDArray[np.complex128]
+
+# How often a nearest place is looked for along the contour, and how far at a time, mm.
+WALKS, FARTHEST = 2, 0.8
 
 
 @dataclass(frozen=True)
@@ -41,6 +47,21 @@ class Samples:
         return spacings(self.arc - lines.arc_start[self.loop], self.loop, lines.length)[0]
 
 
+def as_complex(points: FloatArray) -> ComplexArray:
+    """Points (N, 2) as complex numbers (N,)."""
+    return np.ascontiguousarray(points).view(np.complex128)[:, 0]
+
+
+def squared(number: ComplexArray) -> FloatArray:
+    """Squared magnitudes."""
+    return np.asarray(number.real**2 + number.imag**2)
+
+
+def dot(one: ComplexArray, other: ComplexArray) -> FloatArray:
+    """Scalar products of vectors in the plane."""
+    return np.asarray(one.real * other.real + one.imag * other.imag)
+
+
 class Projector:
     """Nearest places on the contours of a layer, within the projection threshold; made ready when first asked."""
 
@@ -63,30 +84,27 @@ class Projector:
         return PointGrid(self.lines.points, self.lines.layer[self.loop], reach / 2, table=False)
 
     @cached_property
-    def ahead(self) -> IntArray:
-        """(N,) the point that follows each one."""
-        return following(self.lines.start)
+    def spot(self) -> ComplexArray:
+        """(N,) the points as complex numbers, in which numpy is quicker than in rows of two."""
+        return as_complex(self.lines.points)
+
+    @cached_property
+    def along(self) -> ComplexArray:
+        """(N,) mm from each point to the next, as complex numbers."""
+        return as_complex(ahead(self.lines.points, self.lines.start) - self.lines.points)
 
     @cached_property
     def behind(self) -> IntArray:
         """(N,) the point before each one."""
         return preceding(self.lines.start)
 
-    @cached_property
-    def along(self) -> FloatArray:
-        """(N, 2) mm from each point to the next."""
-        return np.asarray(self.lines.points.take(self.ahead, axis=0) - self.lines.points)
-
-    @cached_property
-    def length(self) -> FloatArray:
-        """(N,) mm from each point to the next, a trace at least."""
-        return np.asarray(np.maximum(np.hypot(self.along[:, 0], self.along[:, 1]), 1e-9))
-
     def at(self, arc: FloatArray) -> FloatArray:
         """(Q, 2) mm, the points at places (Q,) on the contours."""
         before = np.searchsorted(self.lines.arc, arc, side="right") - 1
-        share = np.minimum((arc - self.lines.arc[before]) / self.length[before], 1.0)
-        return np.asarray(self.lines.points[before] + share[:, None] * self.along[before])
+        along = self.along.take(before)
+        length = np.maximum(np.sqrt(squared(along)), 1e-9)
+        along *= np.minimum((arc - self.lines.arc.take(before)) / length, 1.0)
+        return (self.spot.take(before) + along).view(np.float64).reshape(-1, 2)
 
     def project(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, FloatArray]:
         """Nearest place on the contours of `layer` (Q,) for each query point (Q, 2).
@@ -102,60 +120,64 @@ class Projector:
         arc, distance = np.zeros(len(query)), np.full(len(query), np.inf)
         if len(asked):
             # The nearest place is on one of the two segments that meet in the nearest point.
-            first = np.stack([point, self.behind[point]])
-            place, gap = self._on_segments(query[asked], first)
-            nearer = (gap[1] < gap[0]).astype(np.int64)
-            row = np.arange(len(asked))
-            arc[asked], distance[asked] = place[nearer, row], gap[nearer, row]
+            spot, before = as_complex(query).take(asked), self.behind.take(point)
+            place, gap = self._on_segments(spot, point)
+            other, nearer = self._on_segments(spot, before)
+            arc[asked] = np.where(nearer < gap, other, place)
+            distance[asked] = np.sqrt(np.minimum(nearer, gap))
         distance[distance > self.threshold] = np.inf
         return arc, distance
 
     def nearby(self, query: FloatArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The nearest place to each query point (Q, 2) within about a point's distance of a guessed one (Q,).
+        """The nearest place to each query point (Q, 2), found by going along the contour from a guessed one (Q,).
 
         Returns:
             (Q,) arc and (Q,) distance in mm.
         """
-        point = np.searchsorted(self.lines.arc, guess, side="right") - 1
-        ahead = self.ahead[point]
-        window = np.stack([self.behind[point], point, ahead, self.ahead[ahead]])
-        away = self.lines.points[window] - query
-        squared = away[..., 0] ** 2 + away[..., 1] ** 2
-        point = window[np.argmin(squared, axis=0), np.arange(len(query))]
-        place, gap = self._on_segments(query, np.stack([point, self.behind[point]]))
-        nearer = gap[1] < gap[0]
-        return np.where(nearer, place[1], place[0]), np.where(nearer, gap[1], gap[0])
+        lines, spot = self.lines, as_complex(query)
+        loop = loop_of(lines, guess)
+        begin, length = lines.arc_start.take(loop), lines.length.take(loop)
+        for _ in range(WALKS):
+            point = np.searchsorted(lines.arc, guess, side="right") - 1
+            along = self.along.take(point)
+            away = spot - self.spot.take(point)
+            way = dot(away, along) / np.sqrt(np.maximum(squared(along), 1e-18))
+            guess = lines.arc.take(point) + np.clip(way, -FARTHEST, FARTHEST) - begin
+            guess = begin + np.mod(guess, length)
+        point = np.searchsorted(lines.arc, guess, side="right") - 1
+        arc, gap = self._on_segments(spot, point)
+        return arc, np.sqrt(gap)
 
     def _nearest_points(self, query: FloatArray, layer: IntArray) -> tuple[IntArray, IntArray]:
         """The nearest contour point of queries that have any within reach, and which queries these are."""
-        point, squared = self._least(query, layer, 1)
+        point, gap = self._least(query, layer, 1)
         # What is nearer than a cell is certain; the others have to look one cell farther.
-        again = np.flatnonzero(squared > self.grid.cell**2)
+        again = np.flatnonzero(gap > self.grid.cell**2)
         if len(again):
-            point[again], squared[again] = self._least(query[again], layer[again], 2)
-        asked = np.flatnonzero(np.isfinite(squared))
+            point[again], gap[again] = self._least(query[again], layer[again], 2)
+        asked = np.flatnonzero(np.isfinite(gap))
         return point[asked], asked
 
     def _least(self, query: FloatArray, layer: IntArray, rings: int) -> tuple[IntArray, FloatArray]:
         """Nearest of the candidates and its squared distance; infinite where there is none."""
         found, group = self.grid.candidates(query, layer, rings)
-        squared = np.full(len(query), np.inf)
+        least = np.full(len(query), np.inf)
         if len(found) == 0:
-            return np.zeros(len(query), dtype=np.int64), squared
-        away = self.lines.points[found] - np.repeat(query, np.diff(group), axis=0)
-        distance = np.einsum("ij,ij->i", away, away)
+            return np.zeros(len(query), dtype=np.int64), least
+        distance = squared(self.spot.take(found) - np.repeat(as_complex(query), np.diff(group)))
         where, filled = nearest(distance, group)
-        squared[filled] = distance[where[filled]]
-        return found[where], squared
+        least[filled] = distance[where[filled]]
+        return found[where], least
 
-    def _on_segments(self, query: FloatArray, first: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Nearest places on segments (2, Q), and how far they are."""
-        tail, along, length = self.lines.points[first], self.along[first], self.length[first]
-        away = query - tail
-        share = np.clip(np.einsum("...i,...i", away, along) / length**2, 0.0, 1.0)
-        away -= share[..., None] * along
-        arc = on_loop(self.lines.arc[first] + share * length, self.loop[first], self.lines.arc_start)
-        return arc, np.hypot(away[..., 0], away[..., 1])
+    def _on_segments(self, query: ComplexArray, first: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Arcs of the nearest places on the segments that begin at points (Q,), and their squared distances."""
+        away, along = query - self.spot.take(first), self.along.take(first)
+        square = np.maximum(squared(along), 1e-18)
+        share = np.clip(dot(away, along) / square, 0.0, 1.0)
+        arc = on_loop(self.lines.arc.take(first) + share * np.sqrt(square), self.loop.take(first), self.lines.arc_start)
+        along *= share
+        away -= along
+        return arc, squared(away)
 
 
 def sample(lines: Contours, projector: Projector, settings: PrintSettings) -> Samples:

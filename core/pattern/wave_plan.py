@@ -113,13 +113,16 @@ def planned(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, weight: FloatArra
         weight: (K,) what a birth or a death above the edge from each node costs, 1 as a rule.
         settings: the wavelength is used.
     """
-    grids = [(fine.spanning(lines, layers, stride), layers) for layers, stride, _ in SPANS] + [(grid, 1)]
+    grids, spanned = [(grid, 1)], 1
+    for layers, stride, _ in reversed(SPANS):
+        fine, spanned = fine.spanning(lines, layers, spanned), layers
+        grids.insert(0, (fine.every(lines, stride), layers))
     first = grids[0][0]
     none = np.zeros(len(first.arc))
     plan = WavePlan(first.length / (settings.wavelength * np.sqrt(2)), none, none, 0.0)
     for number, (span, layers) in enumerate(grids):
         if number:
-            plan = _taken_over(lines, fine, span, layers, *grids[number - 1], plan)
+            plan = _taken_over(lines, span, layers, *grids[number - 1], plan)
         node, _ = on_grid(grid, lines, span)
         steps = (SPANS[number][2] if number < len(SPANS) else STEPS) * (WEIGHTED_STEPS if _uneven(weight) else 1)
         plan = _solved(span, weight[node], plan, layers * SLIDE, steps, settings)
@@ -132,7 +135,7 @@ def planned_further(grid: PhaseGrid, plan: WavePlan, weight: FloatArray, setting
 
 
 def _taken_over(
-    lines: Contours, fine: PhaseGrid, grid: PhaseGrid, layers: int, span: PhaseGrid, spanned: int, plan: WavePlan
+    lines: Contours, grid: PhaseGrid, layers: int, span: PhaseGrid, spanned: int, plan: WavePlan
 ) -> WavePlan:
     """The plan on a grid of every `spanned` layers as a first guess for that on a grid of every `layers`."""
     if not len(span.arc):
@@ -140,9 +143,9 @@ def _taken_over(
         return WavePlan(usual, usual, usual, plan.level)
     left = (int(lines.layer.max(initial=0)) - lines.layer[grid.loop]) % spanned
     place, between = grid.arc, left > 0
-    for _ in range(spanned - 1):
-        place = fine.carried(lines, place, left > 0)
-        left = left - 1
+    for _ in range(spanned // layers - 1):
+        place = grid.carried(lines, place, left > 0)
+        left = left - layers
     known = ~np.isnan(place)
     there = np.where(known, place, 0.0)
     node = np.maximum(np.searchsorted(span.arc, there, side="right") - 1, 0)
