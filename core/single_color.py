@@ -23,7 +23,7 @@ ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 # What stands around the object or under it; the comparison leaves it out.
 _AROUND = (Feature.SKIRT, Feature.BRIM, Feature.RAFT)
 # Of about so many layers of a tall print the time is found out.
-_KNOWN_LAYERS = 40
+_KNOWN_LAYERS = 20
 
 
 @dataclass(frozen=True)

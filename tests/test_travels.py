@@ -103,10 +103,14 @@ def test_from_island_to_island_and_too_far_around_it_goes_straight():
     paths = lines([(5, 1100), (5, 1099)], [(25, 1099), (25, 1100)])
     found = travels(paths, room(tall), SETTINGS)
     assert len(found.via) == 0 and not found.hidden.any()
-    # nor where the room falls apart inside: two squares that a neck joins which holds no second line
-    neck = shapely.union_all([shapely.box(0, 0, 10, 10), shapely.box(10, 0, 20, 0.3), shapely.box(20, 0, 30, 10)])
+    # nor where the room falls apart
+    squares = [shapely.box(0, 0, 10, 10), shapely.box(20, 0, 30, 10)]
     paths = lines([(5, 5), (5, 6)], [(25, 6), (25, 5)])
-    assert len(travels(paths, room(neck), SETTINGS).via) == 0
+    assert len(travels(paths, room(shapely.union_all(squares)), SETTINGS).via) == 0
+    # but through a neck that is narrower than a line
+    neck = shapely.union_all([*squares, shapely.box(10, 0, 20, 0.3)])
+    found = travels(paths, room(neck), SETTINGS)
+    assert found.hidden[1] and neck.covers(way(paths, found))
 
 
 def test_what_is_above_many_islands_is_copied_once():

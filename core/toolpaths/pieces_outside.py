@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..model import FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import ranges, starts
 
 # Pairs of a line and an edge of its room that are looked at together.
@@ -22,6 +22,7 @@ class Boundaries:
     Attributes:
         rings: (R,) LinearRings.
         room: (R,) int64, ascending, the polygon of each.
+        hole: (R,) bool, whether it bounds a hole.
         points: (V, 2) mm, their vertices.
         arc: (V,) mm along its ring.
         ring_start: (R + 1,) int64, where the vertices of each ring start.
@@ -30,6 +31,7 @@ class Boundaries:
 
     rings: NDArray[np.object_]
     room: IntArray
+    hole: BoolArray
     points: FloatArray
     arc: FloatArray
     ring_start: IntArray
@@ -52,6 +54,12 @@ class Pieces:
     ring: IntArray
     arc: FloatArray
 
+    def of(self, chosen: IntArray) -> Pieces:
+        """The pieces of some lines (C,), ascending, which are numbered anew."""
+        number = np.searchsorted(chosen, self.line)
+        kept = np.append(chosen, -1)[number] == self.line
+        return Pieces(number[kept], self.share[kept], self.ring[kept], self.arc[kept])
+
 
 def boundaries(shapes: NDArray[np.object_]) -> Boundaries:
     """The boundaries of (S,) Polygons or MultiPolygons."""
@@ -66,7 +74,7 @@ def boundaries(shapes: NDArray[np.object_]) -> Boundaries:
     arc -= np.repeat(arc[ring_start[:-1]], np.diff(ring_start))
     room = of_part[part].astype(np.int64)
     start = ring_start[np.searchsorted(room, np.arange(len(shapes) + 1))]
-    return Boundaries(rings, room, points, arc, ring_start, start)
+    return Boundaries(rings, room, np.append(False, part[1:] == part[:-1])[: len(part)], points, arc, ring_start, start)
 
 
 def pieces_outside(begin: FloatArray, end: FloatArray, walls: Boundaries, room: IntArray) -> Pieces:

@@ -35,20 +35,24 @@ def on_rings(
     return ring, arc, places
 
 
-def walks_along(walls: Boundaries, ring: IntArray, arc: FloatArray, ends: FloatArray) -> tuple[FloatArray, IntArray]:
-    """The shorter ways along rings from places on them to other ones.
+def walks_along(
+    walls: Boundaries, ring: IntArray, arc: FloatArray, ends: FloatArray, distance_mm: float
+) -> tuple[FloatArray, IntArray]:
+    """The shorter ways beside rings from places on them to other ones.
 
     Args:
         walls: with the rings.
         ring: (P,) the ring of each way; a way between different rings means nothing.
         arc: (P, 2) mm along it where the way begins and ends.
         ends: (P, 2, 2) mm, the places there.
+        distance_mm: from the rings, to the side where the polygon is.
 
     Returns:
         (N, 2) mm, the places of all ways one after the other; (P + 1,) where each way starts.
     """
     low, high = arc.T
     used, ring = np.unique(ring, return_inverse=True)
+    inside_left = shapely.is_ccw(walls.rings[used]) != walls.hole[used]
     vertices, arc, base, length = _unrolled(walls, used)
     ahead = (high - low) % length[ring]
     backwards = ahead > length[ring] / 2
@@ -63,7 +67,22 @@ def walks_along(walls: Boundaries, ring: IntArray, arc: FloatArray, ends: FloatA
     pair = np.repeat(np.arange(len(count)), count)
     step = np.where(backwards[pair], count[pair] - 1 - step, step)
     places[ranges(start[:-1] + 1, count)] = vertices[first[pair] + step]
-    return places, start
+    left = np.where(inside_left[ring] != backwards, distance_mm, -distance_mm)
+    return _beside(places, start, np.repeat(left, count + 2)), start
+
+
+def _beside(points: FloatArray, start: IntArray, left: FloatArray) -> FloatArray:
+    """(N, 2) mm, points of lines moved to the left by (N,) mm, with mitres of up to two distances."""
+    place = np.ascontiguousarray(points).view(np.complex128).ravel()
+    step = np.diff(place, append=place[-1:])
+    step[start[1:] - 1] = 0.0
+    # Where a line begins or ends, or stands still, the direction on the other side counts alone.
+    length = np.abs(step)
+    leaving = step / np.where(length > 0, length, 1.0)
+    arriving = np.roll(leaving, 1)
+    cosine = (leaving * arriving.conj()).real
+    place = place + 1j * left * (leaving + arriving) / np.maximum(1 + cosine, 0.5)
+    return np.column_stack([place.real, place.imag])
 
 
 def _nearest(walls: Boundaries, points: FloatArray, room: IntArray) -> tuple[IntArray, FloatArray]:

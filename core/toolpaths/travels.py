@@ -12,12 +12,14 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import starts
 from .order import OrderedPaths
-from .pieces_outside import boundaries, pieces_outside
+from .pieces_outside import Boundaries, Pieces, boundaries, pieces_outside
 from .ring_walks import on_rings, walks_along
 
 _TOLERANCE_MM = 0.1  # by which the inside of the wall is simplified, and a way along it
 # A way around is worth as much time as pulling the filament back twice, and this many times the straight way.
 _DETOUR = 2.0
+# How far from the wall's inside a way along it is tried, in line widths.
+_BESIDE = (0.5, 0.3)
 
 
 @dataclass(frozen=True)
@@ -95,11 +97,14 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
     tips = np.stack([end[path - 1], begin[path]], axis=1)
     lines = shapely.linestrings(tips)
     reach = _wall_depth(settings)
-    outside = pieces_outside(tips[:, 0], tips[:, 1], boundaries(inside), room)
+    walls = boundaries(inside)
+    outside = pieces_outside(tips[:, 0], tips[:, 1], walls, room)
     crosses = _longest(outside.line, np.ptp(outside.share, axis=1), len(lines)) * shapely.length(lines) > reach
-    if settings.avoid_crossing_perimeters and crosses.any():
+    for distance in _BESIDE if settings.avoid_crossing_perimeters else ():
         chosen = np.flatnonzero(crosses)
-        around = _around(tips[chosen], inside, room[chosen], settings)
+        if not len(chosen):
+            break
+        around = _around(tips[chosen], outside.of(chosen), walls, room[chosen], distance * settings.extrusion_width)
         good = ~_leaves(around, inside[room[chosen]], reach) & _worth(around, lines[chosen], settings)
         lines[chosen[good]] = around[good]
         crosses[chosen[good]] = False
@@ -157,29 +162,22 @@ def _worth(around: NDArray[np.object_], lines: NDArray[np.object_], settings: Pr
 
 
 def _around(
-    tips: FloatArray, inside: NDArray[np.object_], room: IntArray, settings: PrintSettings
+    tips: FloatArray, outside: Pieces, walls: Boundaries, room: IntArray, distance_mm: float
 ) -> NDArray[np.object_]:
-    """(T,) lines whose pieces outside their room follow its boundary, half a line inside; where that fails, straight.
+    """(T,) lines whose pieces outside their room follow its boundary, beside it; where that fails, straight.
 
     What a line leaves a room by and comes back in by lie on the same ring: outside of it is one connected place.
 
     Args:
         tips: (T, 2, 2) mm, where the lines begin and end.
-        inside: rooms.
+        outside: the pieces.
+        walls: boundaries of the rooms.
         room: (T,) the room of each line.
-        settings: the extrusion width is used.
+        distance_mm: from the boundary.
     """
     result = np.asarray(shapely.linestrings(tips))
-    used, room = np.unique(room, return_inverse=True)
-    inner = shapely.buffer(inside[used], -settings.extrusion_width / 2, quad_segs=2)
-    usable = np.flatnonzero(~shapely.is_empty(inner)[room])
-    if not len(usable):
-        return result
-    tips, room = tips[usable], room[usable]
-    walls = boundaries(inner)
-    outside = pieces_outside(tips[:, 0], tips[:, 1], walls, room)
     ring, arc, ends = on_rings(outside, tips, walls, room)
-    walks, start = walks_along(walls, ring[:, 0], arc, ends)
+    walks, start = walks_along(walls, ring[:, 0], arc, ends, distance_mm)
     # All along a line: its begin, for each piece the walk instead, its end.
     piece = np.repeat(np.arange(len(outside.line)), np.diff(start))
     number = np.arange(len(tips))
@@ -188,5 +186,5 @@ def _around(
     routes = shapely.linestrings(np.concatenate([tips[:, 0], walks, tips[:, 1]])[order], indices=line[order])
     good = np.ones(len(tips), dtype=bool)
     good[outside.line[ring[:, 0] != ring[:, 1]]] = False
-    result[usable[good]] = shapely.simplify(routes[good], _TOLERANCE_MM, preserve_topology=False)
+    result[good] = shapely.simplify(routes[good], _TOLERANCE_MM, preserve_topology=False)
     return result
