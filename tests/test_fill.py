@@ -42,7 +42,7 @@ def test_fill_reaches_into_the_last_wall_by_the_overlap():
     islands = shapes([square(20)])
     for perimeters, overlap in ((0, 0.0), (1, 15.0), (2, 50.0)):
         plan = PrintSettings(perimeters=perimeters, infill_overlap=overlap)
-        walls, fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)
+        walls, fill, _ = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)
         assert len(walls) == 1 + perimeters
         assert fill[0].bounds[2] == pytest.approx(10 - WIDTH * (perimeters + 0.5 - overlap / 100))
 
@@ -198,7 +198,7 @@ def test_outlines_are_offset_as_geos_does(distance):
     assert shapely.is_valid(grown).all()
     assert shapely.area(shapely.symmetric_difference(grown, truth)).max() < 1e-4
     if abs(distance) < 1.0:
-        assert moved(outlines[-60:], np.full(60, distance))[1].mean() > 0.85  # few need GEOS
+        assert moved(outlines[-60:], np.full(60, distance)).sound.mean() > 0.85  # few need GEOS
 
 
 def test_same_input_same_paths_in_threads_or_not(monkeypatch):

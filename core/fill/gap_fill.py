@@ -11,6 +11,7 @@ import shapely
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import starts
 from ..toolpaths.moves import Feature, Paths
+from .mitres import Moved
 from .parallel import Shapes, in_chunks
 from .walls import offset
 
@@ -18,7 +19,7 @@ from .walls import offset
 _INTO_WAVES, _INTO_WALL = 0.4, 0.1
 _SMALLEST_MM2 = 0.1
 _LOST = 0.5  # line widths of length that walls lose for other reasons
-_NEAR = 1.5  # line widths: where all lies nearer to the inner line, a gap would be too short for a line of its own
+_NEAR = 1.7  # line widths: where all lies nearer to the inner line, a gap would be too short for a line of its own
 _CORNER = 0.1  # line widths: corners of walls are no gaps
 _SAMPLE = 0.5  # line widths between the boundary's points that the middle is found from
 _SHORTEST = 1.0  # line widths
@@ -28,28 +29,26 @@ _ON_EDGE_MM = 1e-6
 _GRID_DIGITS = 6  # decimals of mm; points much nearer than that to each other upset the triangulation
 
 
-def gaps_between(walls: list[Shapes], width_mm: FloatArray) -> list[Shapes]:
+def gaps_between(walls: list[Shapes], steps: list[Moved], width_mm: FloatArray) -> list[Shapes]:
     """What is left between each wall and the next one inside, where that does not fit.
 
     Args:
         walls: (I,) regions bounded by a wall's centre line, from the waved outer wall in.
+        steps: how each wall but the first came from the one before.
         width_mm: (I,) of the lines.
 
     Returns:
         For each wall but the last, (I,) MultiPolygon, mostly empty.
     """
     return [
-        _gaps(outer, inner, width_mm, _INTO_WALL if number else _INTO_WAVES)
-        for number, (outer, inner) in enumerate(pairwise(walls))
+        _gaps(outer, inner, step, width_mm, _INTO_WALL if number else _INTO_WAVES)
+        for number, ((outer, inner), step) in enumerate(zip(pairwise(walls), steps, strict=True))
     ]
 
 
-def _gaps(outer: Shapes, inner: Shapes, width_mm: FloatArray, into_wall: float) -> Shapes:
+def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, into_wall: float) -> Shapes:
     found = np.full(len(outer), shapely.Polygon(), dtype=object)
-    rows = np.flatnonzero(_lose_length(outer, inner, width_mm))
-    near = shapely.buffer(inner[rows], _NEAR * width_mm[rows], quad_segs=2)
-    shapely.prepare(near)
-    rows = rows[~shapely.contains_properly(near, outer[rows])]
+    rows = np.flatnonzero(_strays(outer, inner, step, width_mm) & _lose_length(outer, inner, width_mm))
     width = width_mm[rows]
     reach = (0.5 - into_wall) * width
     # Strands end round, so what a wall takes at a sharp corner is round too.
@@ -60,6 +59,21 @@ def _gaps(outer: Shapes, inner: Shapes, width_mm: FloatArray, into_wall: float) 
         filled, group = np.unique(owner[large], return_inverse=True)
         found[rows[filled]] = shapely.multipolygons(parts[large], indices=group)
     return found
+
+
+def _strays(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray) -> BoolArray:
+    """(I,) bool, where some of the outer wall lies farther from the inner one than its corners do.
+
+    Where all edges have moved, only what was left out can; elsewhere GEOS has to tell.
+    """
+    left_out = shapely.points(step.left_out)
+    far = ~shapely.dwithin(left_out, inner[step.owner], _NEAR * width_mm[step.owner])
+    strays = np.bincount(step.owner, far, len(outer)) > 0
+    rows = np.flatnonzero(~step.sound)
+    near = shapely.buffer(inner[rows], _NEAR * width_mm[rows], quad_segs=2)
+    shapely.prepare(near)
+    strays[rows] = ~shapely.contains_properly(near, outer[rows])
+    return strays
 
 
 def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArray:
@@ -178,10 +192,11 @@ def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
     """(P,) lines along the middle of (P,) polygons, and the polygons' boundaries."""
     edge = shapely.segmentize(shapely.boundary(gap), _SAMPLE * width_mm)
     points, part = shapely.get_coordinates(edge, return_index=True)
-    triangle, part = shapely.get_parts(
-        _triangles(shapely.multipoints(_on_grid(points), indices=part)), return_index=True
+    # Whatever holds the points is triangulated: one line is made sooner than a point each.
+    corner, part = shapely.get_coordinates(
+        _triangles(shapely.linestrings(_on_grid(points), indices=part)), return_index=True
     )
-    corner = shapely.get_coordinates(triangle).reshape(-1, 4, 2)[:, :3]
+    corner, part = corner.reshape(-1, 4, 2)[:, :3], part[::4]
     centre = corner.mean(axis=1)
     inside = offset(gap, -_ON_EDGE_MM)
     shapely.prepare(inside)
@@ -192,11 +207,10 @@ def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
     passed, forked = across.sum(axis=1) == 2, across.sum(axis=1) == 3
     straight = side[passed][across[passed]].reshape(-1, 2, 2)
     branches = np.stack([side[forked], np.repeat(centre[forked][:, None], 3, axis=1)], axis=2).reshape(-1, 2, 2)
-    pieces = shapely.linestrings(np.concatenate([straight, branches]))
     part = np.concatenate([part[passed], np.repeat(part[forked], 3)])
-    middle = np.full(len(gap), shapely.LineString(), dtype=object)
-    if len(part):
-        order = np.argsort(part, kind="stable")
-        found, group = np.unique(part[order], return_inverse=True)
-        middle[found] = shapely.multilinestrings(pieces[order], indices=group)
+    pieces = np.concatenate([straight, branches])[np.argsort(part, kind="stable")]
+    bounds = starts(np.bincount(part, minlength=len(gap)))
+    middle = shapely.from_ragged_array(
+        shapely.GeometryType.MULTILINESTRING, pieces.reshape(-1, 2), (2 * np.arange(len(pieces) + 1), bounds)
+    )
     return shapely.simplify(shapely.line_merge(middle), _SIMPLIFY_MM, preserve_topology=False), edge

@@ -56,22 +56,36 @@ class _Edges:
         return np.asarray(reach.real * self.along[edge].real + reach.imag * self.along[edge].imag)
 
 
-def moved(shapes: Shapes, distance_mm: FloatArray) -> tuple[Shapes, BoolArray]:
+@dataclass(frozen=True)
+class Moved:
+    """Polygons whose edges were moved, N of them.
+
+    Attributes:
+        shapes: (N,) Polygon or MultiPolygon.
+        sound: (N,) bool, where these are right.
+        left_out: (C, 2) mm, corners of the right ones whose edges were dropped, as they were before.
+        owner: (C,) int64, whose they are.
+    """
+
+    shapes: Shapes
+    sound: BoolArray
+    left_out: FloatArray
+    owner: IntArray
+
+
+def moved(shapes: Shapes, distance_mm: FloatArray) -> Moved:
     """Polygons grown (or, below 0, shrunk), with mitres of up to `MITRE_LIMIT`.
 
     Args:
         shapes: (N,) valid Polygon or MultiPolygon, maybe empty.
         distance_mm: (N,).
-
-    Returns:
-        (N,) Polygon or MultiPolygon; (N,) bool, where these are right.
     """
     parts, owner = shapely.get_parts(shapes, return_index=True)
     rings, part = shapely.get_rings(parts, return_index=True)
     corners, ring = shapely.get_coordinates(rings, return_index=True)
     sound = np.ones(len(shapes), dtype=bool)
     if not len(rings):
-        return np.full(len(shapes), shapely.Polygon(), dtype=object), sound
+        return Moved(np.full(len(shapes), shapely.Polygon(), dtype=object), sound, corners, ring)
     kept = np.append(ring[1:] == ring[:-1], False)
     points, ring = corners[kept].view(np.complex128).ravel(), ring[kept]
     hole = np.append(False, part[1:] == part[:-1])
@@ -83,7 +97,8 @@ def moved(shapes: Shapes, distance_mm: FloatArray) -> tuple[Shapes, BoolArray]:
     used = edges.left & sound[island[ring]]
     result = _polygons(edges.begin[used], ring[used], part, owner, len(shapes))
     sound[sound] = shapely.is_valid(result[sound])
-    return result, sound
+    dropped = np.flatnonzero(~edges.left & sound[island[ring]])
+    return Moved(result, sound, corners[kept][dropped], island[ring[dropped]])
 
 
 def _moved_edges(points: Plane, ring: IntArray, hole: BoolArray, distance_mm: FloatArray) -> _Edges:

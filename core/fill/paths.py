@@ -66,7 +66,7 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
         and INFILL lines. Islands are numbered by their place in `islands`.
     """
     islands = simplified(islands, _ISLAND_MM)
-    _, inside = walls_and_fill(islands, line_widths(island_layer, settings), settings)
+    _, inside, _ = walls_and_fill(islands, line_widths(island_layer, settings), settings)
     known = closed(inside, island_layer, covering(sliced), settings)
     areas = fill_areas(islands, island_layer, known.skins.regions, known.skins.whole, settings)
     return fill_lines(areas, known.bridges, island_layer, settings)
@@ -91,8 +91,8 @@ def fill_areas(
 
     def chunk(islands: Shapes, layer: IntArray, solid: Shapes, whole: BoolArray) -> tuple[Shapes, ...]:
         width = line_widths(layer, settings)
-        walls, fill = walls_and_fill(islands, width, settings)
-        return *walls, *gaps_between(walls, width), *solid_and_sparse(fill, Skins(solid, whole), settings)
+        walls, fill, steps = walls_and_fill(islands, width, settings)
+        return *walls, *gaps_between(walls, steps, width), *solid_and_sparse(fill, Skins(solid, whole), settings)
 
     return in_chunks(chunk, islands, island_layer, solid, whole)
 

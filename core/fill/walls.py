@@ -9,7 +9,7 @@ from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import starts
 from ..toolpaths.moves import Feature, Paths
-from .mitres import MITRE_LIMIT, moved
+from .mitres import MITRE_LIMIT, Moved, moved
 from .parallel import Shapes
 
 _SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls by
@@ -43,12 +43,19 @@ def offset(shapes: Shapes, distance_mm: float | FloatArray) -> Shapes:
 
 def offset_outlines(shapes: Shapes, distance_mm: FloatArray) -> Shapes:
     """The same for many valid polygons of many corners, few of which split or meet, in half the time."""
-    grown, sound = moved(shapes, distance_mm)
-    grown[~sound] = offset(shapes[~sound], distance_mm[~sound])
+    return _completed(moved(shapes, distance_mm), shapes, distance_mm)
+
+
+def _completed(found: Moved, shapes: Shapes, distance_mm: FloatArray) -> Shapes:
+    """(N,) moved outlines, those that are not right by GEOS."""
+    grown, rest = found.shapes.copy(), np.flatnonzero(~found.sound)
+    grown[rest] = offset(shapes[rest], distance_mm[rest])
     return grown
 
 
-def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSettings) -> tuple[list[Shapes], Shapes]:
+def walls_and_fill(
+    islands: Shapes, width_mm: FloatArray, settings: PrintSettings
+) -> tuple[list[Shapes], Shapes, list[Moved]]:
     """Offset every island inwards, wall by wall.
 
     Args:
@@ -58,14 +65,16 @@ def walls_and_fill(islands: Shapes, width_mm: FloatArray, settings: PrintSetting
 
     Returns:
         The islands, and then for each straight wall, from the outside in, (I,) regions bounded by its centre line;
-        and (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap.
+        (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap; and how each wall came
+        from the one before.
     """
     overlap = settings.infill_overlap / 100.0 - 0.5
 
-    walls = [islands]
+    walls, steps = [islands], []
     for _ in range(settings.perimeters):
-        walls.append(offset_outlines(walls[-1], -width_mm))
-    return walls, offset_outlines(simplified(walls[-1], _SIMPLIFY_MM), overlap * width_mm)
+        steps.append(moved(walls[-1], -width_mm))
+        walls.append(_completed(steps[-1], walls[-1], -width_mm))
+    return walls, offset_outlines(simplified(walls[-1], _SIMPLIFY_MM), overlap * width_mm), steps
 
 
 def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
