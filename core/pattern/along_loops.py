@@ -15,11 +15,6 @@ def rows(points: FloatArray) -> FloatArray:
     return np.stack([points[:, 0], points[:, 1]])
 
 
-def pairs(points: FloatArray) -> FloatArray:
-    """(N, 2) of points (2, N)."""
-    return np.stack([points[0], points[1]], axis=1)
-
-
 def steps(values: FloatArray, start: IntArray) -> FloatArray:
     """(…, N) from each value to the next one of its loop; `start` (M + 1,) are offsets, no loop is empty."""
     step = np.empty_like(values)
@@ -69,12 +64,13 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
     """
     if not values.size:
         return values
-    if values.ndim > 1:
-        return np.stack([filtered(row, start, kernel) for row in values])
-    reach = len(kernel) // 2
-    smooth = np.convolve(values, kernel)[reach : reach + len(values)]
-    # What lies this near to either end of a loop has met other loops instead of the loop's other end.
+    reach, long = len(kernel) // 2, values.shape[-1]
+    # What lies this near to either end of a loop meets other loops instead of the loop's other end.
     begin, count, end = start[:-1, None], np.diff(start)[:, None], np.arange(-reach, reach)
+    ends = begin + end % count
     around = begin[..., None] + (end[:, None] + np.arange(-reach, reach + 1)) % count[..., None]
-    smooth[begin + end % count] = values[around] @ kernel
+    smooth = np.empty_like(values)
+    for row, low_passed in zip(np.atleast_2d(values), np.atleast_2d(smooth), strict=True):
+        low_passed[:] = np.convolve(row, kernel)[reach : reach + long]
+        low_passed[ends] = row[around] @ kernel
     return smooth

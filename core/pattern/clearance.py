@@ -2,43 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import following, ranges, starts
-from .along_loops import box, cross, dot, filtered, pairs, steps
-from .grid import Bits, PointGrid
+from .along_loops import box, cross, dot, filtered, steps
+from .grid import PointGrid
 
-# Walls are looked for by so many points at a time.
 BLOCK = 4
+"""Walls are looked for by so many points at a time; all loops are made of whole blocks."""
 # Walls face each other where their normals point apart by more than this (cosine).
 FACING = -0.3
 # A block whose points lie this near to its chord is a straight piece of wall, mm.
 STRAIGHT = 0.01
 # What is found counts for so many points to both sides and goes over into what is beside it as smoothly.
 EASING = 2
+# A table of all cells is kept where there are at most so many a block.
+CELLS_A_BLOCK = 64
 
-
-@dataclass(frozen=True)
-class _Blocks:
-    """Runs of points of a loop.
-
-    Attributes:
-        first: (B,) index of the first point.
-        size: (B,) points.
-        middle: (2, B) mm, one of the points.
-        spread: mm, no point of a block is farther away from its middle.
-        layer: (B,)
-    """
-
-    first: IntArray
-    size: IntArray
-    middle: FloatArray
-    spread: float
-    layer: IntArray
+Bits = NDArray[np.uint16]
 
 
 def gaps(
@@ -62,11 +47,13 @@ def gaps(
         (N,) thickness of the material, at most `inside`, and (N,) width of the air gap, at most `outside`, mm.
     """
     thickness, clearance = np.full(points.shape[1], inside), np.full(points.shape[1], outside)
-    blocks = _blocks(points, start, layer)
-    point, block = _near(points, normal, blocks, inside, outside)
+    step = steps(points, start)
+    # No point of a block is farther away from its middle than this.
+    spread = float(np.sqrt(dot(step, step).max(initial=0.0))) * (BLOCK - BLOCK // 2)
+    point, block = _near(points, normal, np.repeat(layer, np.diff(start) // BLOCK), spread, inside, outside)
     if not len(point):
         return thickness, clearance
-    begin, end, point, piece = _pieces(points, following(start), blocks, point, block)
+    begin, end, point, piece = _pieces(points, following(start), point, block)
     point, width, outwards = _across(points, normal, begin, end, point, piece)
     np.minimum.at(thickness, point[~outwards], width[~outwards])
     if outside:
@@ -75,45 +62,92 @@ def gaps(
     return _eased(thickness, start), clearance
 
 
-def _blocks(points: FloatArray, start: IntArray, layer: IntArray) -> _Blocks:
-    count = np.diff(start)
-    number = -(-count // BLOCK)
-    loop = np.repeat(np.arange(len(count)), number)
-    first = start[loop] + BLOCK * ranges(np.zeros_like(count), number)
-    size = np.minimum(start[loop + 1] - first, BLOCK)
-    step = steps(points, start)
-    spread = float(np.sqrt(dot(step, step).max(initial=0.0))) * (BLOCK - BLOCK // 2)
-    return _Blocks(first, size, points.take(first + size // 2, axis=1), spread, layer[loop])
-
-
 def _near(
-    points: FloatArray, normal: FloatArray, blocks: _Blocks, inside: float, outside: float
+    points: FloatArray, normal: FloatArray, layer: IntArray, spread: float, inside: float, outside: float
 ) -> tuple[IntArray, IntArray]:
-    """Pairs of a point and a block that may reach into a circle as large as is looked for at the point."""
-    own, facing = _directions(normal)
-    held, wanted = np.bitwise_or.reduceat(own, blocks.first), np.bitwise_or.reduceat(facing, blocks.first)
-    middle, spread = pairs(blocks.middle), blocks.spread
-    around = max(inside, outside) + 2 * spread
-    grid = PointGrid(middle, blocks.layer, around / 2)
-    faced = np.flatnonzero(wanted & grid.bits_around(held, rings=2)) if len(middle) else blocks.first
-    other, group = grid.candidates(middle.take(faced, axis=0), blocks.layer[faced], rings=2)
-    this = np.repeat(faced, np.diff(group))
-    kept = np.flatnonzero(wanted[this] & held[other])
+    """Pairs of a point and a block that may reach into a circle as large as is looked for at the point.
+
+    Args:
+        points: (2, N) mm, in blocks.
+        normal: (2, N)
+        layer: (B,) of each block.
+        spread: mm, no point of a block is farther away from its middle.
+        inside: mm, the circles' widths.
+        outside: mm.
+    """
+    held, wanted = (_of_blocks(np.bitwise_or, bits) for bits in _directions(normal))
+    middle, cell = points[:, BLOCK // 2 :: BLOCK], max(inside, outside) / 2 + spread
+    # Where one may face another, that one may face it: what has none around it is nothing that others look for.
+    faced = _faced(middle, layer, held, wanted, cell)
+    middle, held, wanted = middle.take(faced, axis=1), held.take(faced), wanted.take(faced)
+    other, group = PointGrid(middle.T, layer[faced], cell).candidates(middle.T, layer[faced], rings=2)
+    kept = np.flatnonzero(np.repeat(wanted, np.diff(group)) & held.take(other))
+    this, other = np.repeat(np.arange(len(faced)), np.diff(group))[kept], other[kept]
+    points, normal = (rows.reshape(2, -1, BLOCK).take(faced, axis=1) for rows in (points, normal))
+    found = [_reached(points - normal * (inside / 2), inside / 2 + spread, middle, this, other)]
+    if outside:
+        found.append(_reached(points + normal * (outside / 2), outside / 2 + spread, middle, this, other))
+    this, number, other = (np.concatenate(column) for column in zip(*found, strict=True))
+    return BLOCK * faced.take(this) + number, faced.take(other)
+
+
+def _of_blocks(most: np.ufunc, values: NDArray[Any]) -> NDArray[Any]:
+    """(B,) the most that the points of each block have."""
+    return np.asarray(most.reduce([values[number::BLOCK] for number in range(BLOCK)]))
+
+
+def _reached(
+    centre: FloatArray, radius: float, middle: FloatArray, this: IntArray, other: IntArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Which blocks reach into the circles of which points.
+
+    Args:
+        centre: (2, B, BLOCK) mm, of each point's circle.
+        radius: mm, of them all.
+        middle: (2, B) mm, of the blocks.
+        this: (C,) blocks.
+        other: (C,) blocks that may reach into one of their circles.
+
+    Returns:
+        (P,) blocks, (P,) number of the point in each, and (P,) the other block.
+    """
+    usual = centre[:, :, BLOCK // 2].copy()
+    off = centre - usual[:, :, None]
+    apart = np.sqrt(_of_blocks(np.maximum, dot(off, off).ravel()))
+    away = middle.take(other, axis=1) - usual.take(this, axis=1)
+    kept = np.flatnonzero(dot(away, away) <= (radius + apart.take(this)) ** 2)
     this, other = this[kept], other[kept]
-    away = blocks.middle.take(this, axis=1) - blocks.middle.take(other, axis=1)
-    kept = np.flatnonzero(dot(away, away) <= around**2)
-    this, other = this[kept], other[kept]
-    # The same for each point of the blocks.
-    size = blocks.size[this]
-    point, other = ranges(blocks.first[this], size), np.repeat(other, size)
-    kept = np.flatnonzero(facing[point] & held[other])
-    point, other = point[kept], other[kept]
-    away = blocks.middle.take(other, axis=1) - points.take(point, axis=1)
-    along = dot(away, normal.take(point, axis=1))
-    # The circle's middle is half its width away from the point.
-    width = np.where(along > 0, outside, inside)
-    kept = np.flatnonzero(dot(away, away) - np.abs(along) * width <= spread * (width + spread))
-    return point[kept], other[kept]
+    off = middle.take(other, axis=1)[:, :, None] - centre.take(this, axis=1)
+    pair, number = np.nonzero(dot(off, off) <= radius**2)
+    return this[pair], number, other[pair]
+
+
+def _faced(middle: FloatArray, layer: IntArray, held: Bits, wanted: Bits, cell: float) -> IntArray:
+    """Blocks that have some that they want in the square cells up to two away, and maybe more.
+
+    Args:
+        middle: (2, B) mm.
+        layer: (B,)
+        held: (B,) what each has.
+        wanted: (B,) what each looks for.
+        cell: mm.
+    """
+    if not len(layer):
+        return layer
+    column, row = ((along - along.min()) * (1 / cell) for along in middle)
+    columns, rows = int(column.max()) + 3, int(row.max()) + 3
+    key = ((layer - layer[0]) * rows + row.astype(np.int64)) * columns + column.astype(np.int64)
+    cells = int(key[-1]) + rows * columns
+    if cells > CELLS_A_BLOCK * len(layer):
+        return np.flatnonzero(wanted & np.bitwise_or.reduce(held))
+    around = np.zeros(cells, dtype=held.dtype)
+    np.bitwise_or.at(around, key, held)
+    for neighbour in (1, columns):
+        own = around.copy()
+        for away in (neighbour, 2 * neighbour):
+            around[away:] |= own[:-away]
+            around[:-away] |= own[away:]
+    return np.flatnonzero(wanted & around.take(key))
 
 
 def _directions(normal: FloatArray) -> tuple[Bits, Bits]:
@@ -124,7 +158,7 @@ def _directions(normal: FloatArray) -> tuple[Bits, Bits]:
     may_face = middle.T @ middle < np.cos(np.arccos(FACING) - np.pi / 6)
     bit, facing = (1 << np.arange(16)).astype(np.uint16), np.zeros(16, dtype=np.uint16)
     facing[number] = may_face @ bit[number]
-    return bit[own], facing[own]
+    return bit.take(own), facing.take(own)
 
 
 def _direction(normal: FloatArray) -> NDArray[np.uint8]:
@@ -134,22 +168,21 @@ def _direction(normal: FloatArray) -> NDArray[np.uint8]:
 
 
 def _pieces(
-    points: FloatArray, after: IntArray, blocks: _Blocks, point: IntArray, block: IntArray
+    points: FloatArray, after: IntArray, point: IntArray, block: IntArray
 ) -> tuple[FloatArray, FloatArray, IntArray, IntArray]:
     """Blocks as straight pieces of wall: a block is one, or each of its segments if it is bent.
 
     Returns:
         Both ends (2, P) of each piece, and (C,) points paired with (C,) pieces.
     """
-    seen = np.zeros(len(blocks.first), dtype=bool)
+    seen = np.zeros(points.shape[1] // BLOCK, dtype=bool)
     seen[block] = True
-    first, size = blocks.first[seen], blocks.size[seen]
-    last, each = after[first + size - 1], np.repeat(np.arange(len(first)), size)
-    chord = points.take(last, axis=1) - points.take(first, axis=1)
-    off = cross(points.take(ranges(first, size), axis=1) - points.take(first[each], axis=1), chord.take(each, axis=1))
-    farthest = np.maximum.reduceat(np.abs(off), starts(size)[:-1])
-    straight = farthest < STRAIGHT * np.sqrt(dot(chord, chord))
-    count = np.where(straight, 1, size)
+    corner = BLOCK * np.flatnonzero(seen)[:, None] + np.arange(BLOCK)
+    first, last = corner[:, 0], after[corner[:, -1]]
+    chord = points[:, last] - points[:, first]
+    off = cross(points[:, corner] - points[:, first, None], chord[:, :, None])
+    straight = np.abs(off).max(axis=1) < STRAIGHT * np.sqrt(dot(chord, chord))
+    count = np.where(straight, 1, BLOCK)
     begin = ranges(first, count)
     end = np.where(np.repeat(straight, count), np.repeat(last, count), after[begin])
     number = (np.cumsum(seen) - 1)[block]

@@ -6,21 +6,20 @@ and moved inwards by half a line width so that the strand's outer edge is the mo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
-from ..slicing.outlines import Outlines, starts, sums
+from ..slicing.outlines import Outlines
 from ..slicing.planes import line_widths
-from .along_loops import dot, filtered, gaussian, pairs, previous, rows, steps
-from .chunks import in_threads
-from .clearance import gaps
+from .along_loops import dot, filtered, gaussian, previous, steps
+from .clearance import BLOCK, gaps
 from .inset import bend_room, inset
+from .resample import even_points, resampled
 
 # Points along a contour: at least this many a wavelength.
 POINTS_PER_WAVELENGTH = 6
@@ -32,8 +31,8 @@ LEAST_WIDTH = 0.5
 NARROW_GAP = 0.02
 # With so much air before it a wall is in no crease, mm.
 OPEN_AIR = 1.0
-# So many layers are treated at a time, in threads: their arrays stay in the cache.
-LAYERS_AT_ONCE = 16
+# About so many points are worked on at a time: their arrays stay in the cache.
+POINTS_AT_ONCE = 1 << 15
 
 
 @dataclass(frozen=True)
@@ -85,25 +84,6 @@ class Contours:
         """(N,) the loop of each point."""
         return np.repeat(np.arange(len(self.layer)), np.diff(self.start))
 
-    @staticmethod
-    def joined(parts: list[Contours]) -> Contours:
-        """The contours of several runs of layers, which follow one another, in one table."""
-        points = starts(np.array([part.start[-1] for part in parts]))
-        arc = np.concatenate([[0.0], np.cumsum([part.arc_start[-1] for part in parts])])
-
-        def column(name: str) -> NDArray[Any]:
-            values = [getattr(part, name) for part in parts]
-            if name not in ("start", "arc", "arc_start"):
-                return np.concatenate(values)
-            begin = points if name == "start" else arc
-            values = [own + base for own, base in zip(values, begin[:-1], strict=True)]
-            if name == "arc":
-                return np.concatenate(values)
-            return np.concatenate([*(own[:-1] for own in values), begin[-1:]])
-
-        names = [one.name for one in fields(Contours)]
-        return Contours(*in_threads(column, names))
-
     def locate(self, arc: FloatArray, loop: IntArray | None = None) -> tuple[IntArray, IntArray, FloatArray]:
         """Where places lie: index of the point before, of the point after, and the share of the way between them.
 
@@ -129,49 +109,73 @@ def contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings
         loop_polygon: (M,) the region that each bounds.
         settings: wavelength and the extrusion widths are used.
     """
-    layers = int(outlines.layer.max(initial=-1)) + 1
-    cuts = np.searchsorted(outlines.layer, np.arange(0, layers + LAYERS_AT_ONCE, LAYERS_AT_ONCE))
+    even = even_points(outlines, settings.wavelength / POINTS_PER_WAVELENGTH, BLOCK)
+    count = int(even.start[-1])
+    step, face, carried = np.empty(count), np.empty(count, dtype=np.int64), np.empty((3, count))
+    lines = Contours(
+        points=np.empty((count, 2)),
+        normal=np.empty((count, 2)),
+        start=even.start,
+        layer=outlines.layer,
+        polygon=loop_polygon,
+        arc=step,
+        arc_start=np.zeros(1),
+        face=face,
+        carried=carried.T,
+        width=np.empty(count),
+        room_inside=np.empty(count),
+        room_outside=np.zeros(count),
+    )
+    for first, last in _runs_of_layers(outlines.layer, even.start):
+        part = slice(even.start[first], even.start[last])
+        points, face[part], carried[:, part] = resampled(outlines, even, first, last)
+        _fill(lines, part, points, even.start[first : last + 1] - part.start, outlines.layer[first:last], settings)
+    total = np.concatenate([[0.0], np.cumsum(step)])
+    return replace(lines, arc=total[:-1], arc_start=total[even.start])
 
-    def part(loops: tuple[int, int]) -> Contours:
-        some = slice(*loops)
-        return _contours(outlines.between(*loops), loop_polygon[some], settings)
 
-    return Contours.joined(in_threads(part, pairwise(cuts.tolist())) or [part((0, 0))])
+def _runs_of_layers(layer: IntArray, start: IntArray) -> Iterable[tuple[int, int]]:
+    """First and last loop of layers that are worked on at once."""
+    begins = np.flatnonzero(np.diff(layer, prepend=-1))
+    cuts = begins[np.diff(start[begins] // POINTS_AT_ONCE, prepend=-1) > 0]
+    return pairwise([*cuts.tolist(), len(layer)])
 
 
-def _contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings) -> Contours:
-    """The contours of a few layers; nothing in them depends on other layers."""
-    points, start, face, carried = resampled(outlines, settings.wavelength / POINTS_PER_WAVELENGTH)
+def _fill(
+    lines: Contours, part: slice, points: FloatArray, start: IntArray, layer: IntArray, settings: PrintSettings
+) -> None:
+    """The contours of a few layers, into their place; nothing in them depends on other layers.
+
+    Args:
+        lines: what is filled; `arc` with the step from each point to the next one.
+        part: where.
+        points: (2, n) mm, on the outlines.
+        start: (m + 1,) offsets of the loops.
+        layer: (m,)
+        settings: as in `contours`.
+    """
     kernel = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH)
     smooth = filtered(points, start, kernel)
-    normal = _normals(smooth, start, kernel)
-    widest = line_widths(outlines.layer, settings)
+    along = steps(smooth, start)
+    normal = _normals(along, start, kernel)
+    widest = line_widths(layer, settings)
     inwards, outwards = _reach(settings)
     most_inside = 2 * (float(widest.max(initial=0.0)) + inwards)
     most_outside = 2 * (outwards + NARROW_GAP) if outwards else 0.0
-    thickness, clearance = gaps(smooth, normal, start, outlines.layer, most_inside, most_outside)
+    thickness, clearance = gaps(smooth, normal, start, layer, most_inside, most_outside)
     widest = np.repeat(widest, np.diff(start))
-    width = np.clip(thickness / 2, LEAST_WIDTH * widest, widest)
-    base, unbent = inset(smooth, normal, np.minimum(width, thickness / 2) / 2, start, kernel)
-    room_inside = np.minimum(np.maximum(thickness / 2 - width, 0.0), bend_room(base, -normal, start, inwards))
-    room_outside = clearance
+    half, width = thickness / 2, lines.width[part]
+    np.minimum(np.maximum(half, LEAST_WIDTH * widest), widest, out=width)
+    base, step, unbent = inset(smooth, along, normal, np.minimum(width, half) / 2, start, kernel)
+    turning = dot(steps(normal, start), step)
+    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, step, -normal, -turning, start, inwards))
+    np.multiply(room, unbent, out=lines.room_inside[part])
     if outwards:
-        room_outside = np.minimum(np.maximum(clearance / 2 - NARROW_GAP, 0.0), bend_room(base, normal, start, outwards))
-    arc, arc_start = _arc_length(base, start)
-    return Contours(
-        points=pairs(base),
-        normal=pairs(normal),
-        start=start,
-        layer=outlines.layer,
-        polygon=loop_polygon,
-        arc=arc,
-        arc_start=arc_start,
-        face=face,
-        carried=carried,
-        width=width,
-        room_inside=unbent * room_inside,
-        room_outside=unbent * room_outside,
-    )
+        room = np.maximum(clearance / 2 - NARROW_GAP, 0.0)
+        room = np.minimum(room, bend_room(base, step, normal, turning, start, outwards))
+        np.multiply(room, unbent, out=lines.room_outside[part])
+    lines.points[part], lines.normal[part] = base.T, normal.T
+    np.sqrt(dot(step, step), out=lines.arc[part])
 
 
 def _reach(settings: PrintSettings) -> tuple[float, float]:
@@ -182,50 +186,21 @@ def _reach(settings: PrintSettings) -> tuple[float, float]:
     return wave + max(settings.offset_max, solid), max(wave, air)
 
 
-def resampled(outlines: Outlines, step: float) -> tuple[FloatArray, IntArray, IntArray, FloatArray]:
-    """Evenly spaced points on each outline, no farther apart than `step` mm, at least eight a loop.
+def _normals(along: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
+    """Outward unit normals, smoothed once more so that neighbouring waves do not fan out at a corner.
 
-    Returns:
-        points (2, N), start (M + 1,), face (N,) and the carried values (N, 3) there.
+    Args:
+        along: (2, N) mm, from each point to the next one.
+        start: (M + 1,) offsets of the loops.
+        kernel: low-pass.
     """
-    corner = rows(outlines.points)
-    along = steps(corner, outlines.start)
-    length = np.sqrt(dot(along, along))
-    loop_length = sums(length, outlines.start)
-    count = np.maximum(np.ceil(loop_length / step), 8).astype(np.int64)
-    start = starts(count)
-    # Where each segment ends, in spacings from its loop's beginning: that many points lie before it.
-    a_segment = np.repeat(count / np.maximum(loop_length, 1e-9), outlines.count)
-    end = np.cumsum(length)
-    end = (end - np.repeat(end[outlines.start[:-1]] - length[outlines.start[:-1]], outlines.count)) * a_segment
-    before = np.minimum(np.ceil(end), np.repeat(count, outlines.count)).astype(np.int64)
-    before[outlines.start[1:] - 1] = count
-    before += np.repeat(start[:-1], outlines.count)
-    segment = np.cumsum(np.bincount(before[:-1], minlength=start[-1] + 1)[: start[-1]])
-    number = np.arange(start[-1]) - np.repeat(start[:-1], count)
-    spacings = np.maximum(length * a_segment, 1e-12)
-    share = np.clip(1 - (end[segment] - number) / spacings[segment], 0, 1)
-    points = np.stack([at[segment] + share * on[segment] for at, on in zip(corner, along, strict=True)])
-    ends = zip(*outlines.carried.transpose(1, 2, 0), strict=True)
-    carried = np.stack([at[segment] + share * (to - at)[segment] for at, to in ends], axis=1)
-    return points, start, outlines.face[segment], carried
-
-
-def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
-    """Outward unit normals, smoothed once more so that neighbouring waves do not fan out at a corner."""
-    step = steps(points, start)
-    x, y = _unit(step + previous(step, start))
-    return _unit(filtered(np.stack([y, -x]), start, kernel))
+    x, y = filtered(_unit(along + previous(along, start)), start, kernel)
+    return _unit(np.stack([y, -x]))
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    return np.asarray(vectors / np.maximum(np.sqrt(dot(vectors, vectors)), 1e-12))
-
-
-def _arc_length(points: FloatArray, start: IntArray) -> tuple[FloatArray, FloatArray]:
-    step = steps(points, start)
-    total = np.concatenate([[0.0], np.cumsum(np.sqrt(dot(step, step)))])
-    return total[:-1], total[start]
+    vectors /= np.maximum(np.sqrt(dot(vectors, vectors)), 1e-12)
+    return vectors
 
 
 def on_loop(arc: FloatArray, loop: IntArray, arc_start: FloatArray) -> FloatArray:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import bounds, ranges, starts
 
-Bits = NDArray[np.uint16]
 # A table of all cells is kept where there are at most so many a point.
 CELLS_A_POINT = 64
 
@@ -39,20 +37,6 @@ class PointGrid:
             for axis in (0, 1)
         )
         return np.asarray(((layer - self.bottom) * self.size[1] + y) * self.size[0] + x)
-
-    def bits_around(self, bits: Bits, rings: int = 1) -> Bits:
-        """(N,) for each of the points the bits (N,) of all points that `candidates` finds for it, and maybe more."""
-        if self.begin is None:
-            return np.full_like(bits, np.bitwise_or.reduce(bits))
-        held = np.zeros(len(self.begin) - 1, dtype=bits.dtype)
-        filled = np.flatnonzero(np.diff(self.begin))
-        held[filled] = np.bitwise_or.reduceat(bits[self.order], self.begin[filled])
-        for neighbour in (1, int(self.size[0])):
-            own = held.copy()
-            for away in range(neighbour, (rings + 1) * neighbour, neighbour):
-                held[away:] |= own[:-away]
-                held[:-away] |= own[away:]
-        return held[self.key]
 
     def candidates(self, query: FloatArray, layer: IntArray, rings: int = 1) -> tuple[IntArray, IntArray]:
         """All points in the cells around each query point: those nearer than `rings` cells, and some more.

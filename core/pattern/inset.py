@@ -19,50 +19,57 @@ NEARER = 0.9
 
 
 def inset(
-    points: FloatArray, normal: FloatArray, depth: FloatArray, start: IntArray, kernel: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+    points: FloatArray, along: FloatArray, normal: FloatArray, depth: FloatArray, start: IntArray, kernel: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray | float]:
     """An outline moved inwards, by less where it would turn back on itself.
 
     Args:
         points: (2, N) mm, of closed loops.
+        along: (2, N) mm, from each to the next.
         normal: (2, N) unit vectors out of them.
         depth: (N,) mm.
         start: (M + 1,) offsets of the loops.
         kernel: low-pass, by which what is less at a fold goes over into what is beside it.
 
     Returns:
-        (2, N) mm, and (N,) 0 to 1, how much room for a wave such a tip leaves: none where the inset had to be halved.
+        (2, N) mm, from each to the next (2, N) mm, and 0 to 1, (N,) or one for all, how much room for a wave such a tip
+        leaves: none where the inset had to be halved.
     """
-    along = steps(points, start)
     least = UNFOLDED * dot(along, along)
     base, wanted = points - normal * depth, depth
+    step = steps(base, start)
     for _ in range(UNFOLDINGS):
-        folded = np.where(dot(steps(base, start), along) < least, 1.0, 0.0)
+        folded = (dot(step, along) < least).astype(np.float64)
         if not folded.any():
             break
         ends = np.maximum(folded, previous(folded, start))
         depth = depth * (1 - 0.5 * np.minimum(2 * len(kernel) * filtered(ends, start, kernel), 1.0))
         base = points - normal * depth
-    return base, np.clip(2 * depth / np.maximum(wanted, 1e-9) - 1, 0.0, 1.0)
+        step = steps(base, start)
+    unbent = 1.0 if depth is wanted else np.clip(2 * depth / np.maximum(wanted, 1e-9) - 1, 0.0, 1.0)
+    return base, step, unbent
 
 
-def bend_room(points: FloatArray, towards: FloatArray, start: IntArray, reach: float) -> FloatArray:
+def bend_room(
+    points: FloatArray, step: FloatArray, towards: FloatArray, opening: FloatArray, start: IntArray, reach: float
+) -> FloatArray:
     """How far points of lines may be moved before they meet others that are moved too, on the inside of a bend.
 
     Each moves on a ray; of two rays that cross, the one on which the crossing is farther away ends before it.
 
     Args:
         points: (2, N) mm, of closed loops.
+        step: (2, N) mm, from each to the next.
         towards: (2, N) unit vectors, which way they move.
+        opening: (N,) mm, along the step, by which two neighbours that move a millimetre get farther apart.
         start: (M + 1,) offsets of the loops.
         reach: mm, as far as anything is moved.
 
     Returns:
         (N,) mm, at most `reach`.
     """
-    room, step = np.full(points.shape[1], reach), steps(points, start)
-    square, longest = dot(step, step), (reach + TIP_GAP) / BEND_SHARE
-    sharp = np.flatnonzero(dot(steps(towards, start), step) * -longest > square)
+    room, square, longest = np.full(points.shape[1], reach), dot(step, step), (reach + TIP_GAP) / BEND_SHARE
+    sharp = np.flatnonzero(opening * -longest > square)
     if not len(sharp):
         return room
     # Points farther apart than twice the length of their rays are out of reach; around tips they lie closer together.
@@ -76,7 +83,7 @@ def bend_room(points: FloatArray, towards: FloatArray, start: IntArray, reach: f
     apart, turn = points.take(other, axis=1) - points.take(this, axis=1), cross(own, others)
     turn[np.abs(turn) < 1e-9] = np.inf
     way, others_way = cross(apart, others) / turn, cross(apart, own) / turn
-    meet = np.flatnonzero((way > 0) & (others_way > 0))
+    meet = np.flatnonzero((way > 0) & (others_way > 0) & (NEARER * np.maximum(way, others_way) < longest))
     this, other, way, others_way = this[meet], other[meet], way[meet], others_way[meet]
     for index, own_way, beside in ((this, way, others_way), (other, others_way, way)):
         last = own_way >= NEARER * beside

@@ -1,0 +1,89 @@
+"""Outlines as evenly spaced points, each with the face and the UVs of the segment that it lies on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import FloatArray, IntArray
+from ..slicing.outlines import Outlines, starts, sums
+from .along_loops import dot, rows, steps
+
+LEAST_POINTS = 8
+"""Of a loop."""
+
+
+@dataclass(frozen=True)
+class EvenPoints:
+    """Where evenly spaced points lie on the S segments of M outlines.
+
+    Attributes:
+        start: (M + 1,) offsets of the loops' new points.
+        held: (S + 1,) how many new points lie on the segments before.
+        begin: (S,) where each segment begins, in spacings, the loops one after the other.
+        share: (S,) of the segment that lies between one new point and the next.
+        corner: (2, S) mm, where it begins.
+        along: (2, S) mm, from there to its end.
+    """
+
+    start: IntArray
+    held: IntArray
+    begin: FloatArray
+    share: FloatArray
+    corner: FloatArray
+    along: FloatArray
+
+
+def even_points(outlines: Outlines, step: float, block: int) -> EvenPoints:
+    """Points on each outline no farther apart than `step` mm, in whole blocks, at least `LEAST_POINTS` a loop.
+
+    Args:
+        outlines: M loops.
+        step: mm.
+        block: every loop gets a multiple of so many points.
+    """
+    corner = rows(outlines.points)
+    along = steps(corner, outlines.start)
+    length = np.sqrt(dot(along, along))
+    loop_length = sums(length, outlines.start)
+    count = block * np.ceil(np.maximum(loop_length / step, LEAST_POINTS) / block).astype(np.int64)
+    start, last = starts(count), outlines.start[1:] - 1
+    length *= np.repeat(count / np.maximum(loop_length, 1e-9), outlines.count)
+    end = np.cumsum(length)
+    before_loop = end[outlines.start[:-1]] - length[outlines.start[:-1]]
+    end += np.repeat(start[:-1] - before_loop, outlines.count)
+    # So many points lie before each segment's end; rounding moves none to another loop.
+    held = np.minimum(np.ceil(end).astype(np.int64), np.repeat(start[1:], outlines.count))
+    held[last] = start[1:]
+    share = 1 / np.maximum(length, 1e-12)
+    return EvenPoints(start, np.concatenate([[0], held]), end - length, share, corner, along)
+
+
+def resampled(outlines: Outlines, even: EvenPoints, first: int, last: int) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Of the loops `first` to the one before `last` the even points.
+
+    Args:
+        outlines: all of them.
+        even: from `even_points`.
+        first: number of a loop.
+        last: likewise.
+
+    Returns:
+        points (2, N) mm, the face (N,) of each, and the values that it carries (3, N).
+    """
+    among = slice(outlines.start[first], outlines.start[last])
+    begin, end = even.start[first], even.start[last]
+    segment = np.repeat(np.arange(among.stop - among.start), np.diff(even.held[among.start : among.stop + 1]))
+    share = np.arange(begin, end) - even.begin[among].take(segment)
+    share *= even.share[among].take(segment)
+    np.clip(share, 0.0, 1.0, out=share)
+    points, carried = np.empty((2, end - begin)), np.full((3, end - begin), np.nan)
+    for row, corner, along in zip(points, even.corner[:, among], even.along[:, among], strict=True):
+        np.multiply(along.take(segment), share, out=row)
+        row += corner.take(segment)
+    for row, ends in zip(carried, outlines.carried[among].transpose(2, 1, 0), strict=True):
+        if not np.isnan(ends[0]).all():
+            np.multiply((ends[1] - ends[0]).take(segment), share, out=row)
+            row += ends[0].take(segment)
+    return points, outlines.face[among].take(segment), carried
