@@ -9,10 +9,11 @@ from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
 from ..model import FloatArray
 from ..pattern.contours import Contours
+from ..pattern.wave import valley_lines
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths
 from ..slicing.slices import Slices
-from ..toolpaths.outer_wall import inside_of_wall
+from ..toolpaths.outer_wall import inside_of_lines
 from .overlay import GRID_MM, SIMPLIFY_MM, gathered
 
 # The object's outlines may differ from the true ones by this much, mm.
@@ -35,7 +36,8 @@ def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settin
         settings: `extrusion_width` and `support_xy_distance` are used.
     """
     # What lies inside the line through the valleys of the opposite wave lies inside the line through the crests.
-    outside = inside_of_wall(lines, -depth, np.zeros_like(depth), len(cut.polygons), _TOLERANCE_MM)
+    crest = valley_lines(lines, -depth, np.zeros_like(depth))
+    outside = inside_of_lines(lines, crest, len(cut.polygons), _TOLERANCE_MM)
     parts, owner = shapely.get_parts(outside, return_index=True)
     layer = cut.polygon_layer[owner]
     order = np.argsort(layer, kind="stable")

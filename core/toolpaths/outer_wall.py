@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from ..fill.parallel import in_chunks
+from ..fill.parallel import Shapes, in_chunks
 from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
@@ -67,31 +66,41 @@ def _shared(waved: WavedOutlines, swapped: BoolArray) -> Paths:
 
 
 def inside_of_wall(
-    lines: Contours, depth: FloatArray, set_back: FloatArray, polygons: int, tolerance: float
-) -> NDArray[np.object_]:
+    waved: WavedOutlines, lines: Contours, depth: FloatArray, set_back: FloatArray, polygons: int, tolerance: float
+) -> Shapes:
     """(I,) what lies inside the innermost line of the outer wall of each sliced region; empty where nothing does.
 
     Args:
-        lines: contours; their `polygon` is one of the I regions.
+        waved: the outlines.
+        lines: contours that they swing about.
         depth: (N,) mm, of the wave at each contour point.
         set_back: (N,) mm.
         polygons: I.
         tolerance: mm, by which the result may be simplified.
     """
-    valleys = valley_lines(lines, depth, set_back)
-    before, after = _signed_area(lines.points, lines.start), _signed_area(valleys, lines.start)
-    outer = before > 0
+    if depth.any():
+        return inside_of_lines(lines, valley_lines(lines, depth, set_back), polygons, tolerance)
+    return _inside(waved.base, waved.points, waved.start, waved.polygon, polygons, tolerance)
+
+
+def inside_of_lines(lines: Contours, moved: FloatArray, polygons: int, tolerance: float) -> Shapes:
+    """(I,) what lies inside contours whose points were moved to (N, 2); the rest as in `inside_of_wall`."""
+    return _inside(lines.points, moved, lines.start, lines.polygon, polygons, tolerance)
+
+
+def _inside(
+    before: FloatArray, after: FloatArray, start: IntArray, polygon: IntArray, polygons: int, tolerance: float
+) -> Shapes:
+    """(polygons,) regions that loops bound, from where their points were and are, and the region of each loop."""
+    area, area_after = _signed_area(before, start), _signed_area(after, start)
     # A line that turned inside out has no inside left; a hole that did is gone the other way and stays a hole.
-    usable = np.where(outer, after > 0, np.abs(after) > 0)
+    shells, holes = np.flatnonzero((area > 0) & (area_after > 0)), np.flatnonzero((area <= 0) & (area_after != 0))
     inside = np.full(polygons, shapely.Polygon(), dtype=object)
-    shells = np.flatnonzero(outer & usable)
     if len(shells) == 0:
         return inside
-    rings = _rings(valleys, lines.start, tolerance)
-    inside[lines.polygon[shells]] = rings[shells]
-    holes = np.flatnonzero(~outer & usable)
-    parts, hole = shapely.get_parts(rings[holes], return_index=True)
-    of_part = lines.polygon[holes][hole]
+    inside[polygon[shells]] = _rings(after, start, shells, tolerance)
+    parts, hole = shapely.get_parts(_rings(after, start, holes, tolerance), return_index=True)
+    of_part = polygon[holes][hole]
     order = np.argsort(of_part, kind="stable")
     pierced, group = np.unique(of_part[order], return_inverse=True)
     if len(pierced):
@@ -100,13 +109,12 @@ def inside_of_wall(
     return inside
 
 
-def _rings(points: FloatArray, start: IntArray, tolerance: float) -> NDArray[np.object_]:
-    """(M,) simplified regions that loops bound, holes as well.
+def _rings(points: FloatArray, start: IntArray, loops: IntArray, tolerance: float) -> Shapes:
+    """(K,) simplified regions that K of the loops bound, holes as well.
 
     Where a loop folds over itself, the folds go, which run backwards around nothing: simplifying mends what it returns.
     """
-    loops = np.arange(len(start))
-    rings = ring_polygons(points, start, loops[:-1], loops)
+    rings = ring_polygons(points, start, loops, np.arange(len(loops) + 1))
     return in_chunks(lambda some: (shapely.simplify(some, tolerance, preserve_topology=False),), rings)[0]
 
 
