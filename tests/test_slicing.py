@@ -227,9 +227,9 @@ def test_reversing_a_loop_keeps_each_segment_with_its_own_values():
 
 def test_cycles_of_a_permutation():
     successor = np.array([3, 0, 2, 1, 5, 4])
-    root, rank = cycles(successor)
-    assert root.tolist() == [0, 0, 2, 0, 4, 4]
-    assert rank.tolist() == [0, 2, 0, 1, 0, 1]
+    order, start = cycles(successor, np.array([7, 7, 3, 7, 7, 7]))
+    assert order.tolist() == [2, 0, 3, 1, 4, 5]
+    assert start.tolist() == [0, 1, 4, 6]
 
 
 def test_cycles_of_a_long_permutation_are_those_that_steps_find():
@@ -237,13 +237,16 @@ def test_cycles_of_a_long_permutation_are_those_that_steps_find():
     rng = np.random.default_rng(4)
     lengths = [20_000, 300, *[3] * 2000]
     first, shuffled = starts(np.array(lengths)), rng.permutation(sum(lengths))
-    successor = np.empty(len(shuffled), dtype=np.int64)
-    root, rank = np.empty_like(successor), np.empty_like(successor)
-    for begin, end in pairwise(first):
+    successor, layer = np.empty(len(shuffled), dtype=np.int64), np.empty(len(shuffled), dtype=np.int64)
+    found = []
+    for number, (begin, end) in enumerate(pairwise(first)):
         cycle = np.roll(shuffled[begin:end], -np.argmin(shuffled[begin:end]))
-        successor[cycle], root[cycle], rank[cycle] = np.roll(cycle, -1), cycle[0], np.arange(len(cycle))
-    found_root, found_rank = cycles(successor)
-    assert np.array_equal(found_root, root) and np.array_equal(found_rank, rank)
+        successor[cycle], layer[cycle] = np.roll(cycle, -1), number % 5
+        found.append((number % 5, cycle[0], cycle))
+    order, start = cycles(successor, layer)
+    ordered = [cycle for _, _, cycle in sorted(found, key=lambda each: each[:2])]
+    assert np.array_equal(order, np.concatenate(ordered))
+    assert np.array_equal(np.diff(start), [len(cycle) for cycle in ordered])
 
 
 def test_every_loop_is_closed_and_uses_all_segments():

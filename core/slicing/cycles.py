@@ -2,70 +2,119 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from ..model import BoolArray, IntArray
+from ..model import IntArray
+from .outlines import starts
 
 _MANY = 1 << 14
 _STRIDE = 4  # steps until those that have arrived are sorted out
 _SCATTER = 0x9E3779B1  # odd, with bits all over, so that rulers do not follow the layers and faces
 
 
-def cycles(successor: IntArray) -> tuple[IntArray, IntArray]:
+@dataclass(frozen=True)
+class _Walks:
+    """Walks from each of R members, the rulers, to the next one.
+
+    Attributes:
+        ruler: (R,) where each begins.
+        following: (R,) number of the ruler that each comes to.
+        length: (R,) steps.
+        least: (R,) member of those passed, the ruler included.
+        strides: for every four steps, the first to the fourth, the fifth to the eighth and so on: numbers (n,) of the
+            rulers still on their way, and (4, n) the members passed, no less than S for who has arrived.
+    """
+
+    ruler: IntArray
+    following: IntArray
+    length: IntArray
+    least: IntArray
+    strides: list[tuple[IntArray, IntArray]]
+
+
+def cycles(successor: IntArray, layer: IntArray) -> tuple[IntArray, IntArray]:
     """Take a permutation apart into its cycles.
 
     Args:
         successor: (S,) a permutation.
+        layer: (S,) one number for all members of a cycle.
 
     Returns:
-        (S,) the least member of each one's cycle, and (S,) how many steps after that member it comes.
+        (S,) the members cycle by cycle, each from its least one on: by their layers, then by their least members; and
+        (M + 1,) where each of M cycles starts.
     """
     count = len(successor)
     index = np.arange(count)
-    if count < _MANY:
-        root, rank, _ = _jumped(successor, index, np.ones(count, dtype=np.int64))
-        return root, rank
-    is_ruler = ((index * _SCATTER) & 0xFFFFFFFF) < 1 << 28
-    ruler, offset, following = _walks(successor, is_ruler)
-    length = np.bincount(ruler + 1, minlength=len(following) + 1)[1:]
-    least = np.empty(len(following) + 1, dtype=np.int64)  # the last place is for members without a ruler
-    least[ruler[::-1]] = index[::-1]  # what is written last stays
-    first, before, size = _jumped(following, least[:-1], length)
-    root = least[first][ruler]
-    rank = before[ruler] + offset - offset[root]
-    rank += np.where(rank < 0, size[ruler], 0)
-    rest = np.flatnonzero(ruler < 0)
-    if len(rest):  # cycles without a ruler are short
-        index[rest] = np.arange(len(rest))
-        rest_root, rank[rest], _ = _jumped(index[successor[rest]], np.arange(len(rest)), np.ones_like(rest))
-        root[rest] = rest[rest_root]
-    return root, rank
+    walks = _walks(successor, index if count < _MANY else np.flatnonzero(((index * _SCATTER) & 0xFFFFFFFF) < 1 << 28))
+    first, before, size = _jumped(walks.following, walks.least, walks.length)
+    chief = np.flatnonzero(first == np.arange(len(first)))
+    chief = chief[np.lexsort((walks.least[chief], layer[walks.least[chief]]))]
+    start = starts(size[chief])
+    # A cycle begins within the walk that passes its least member; what is passed before comes last.
+    late, begin = _steps_to_least(walks, chief), np.empty_like(first)
+    begin[chief] = start[:-1]
+    place = begin[first] + before - late[first]
+    order = np.empty(count + 1, dtype=np.int64)  # with a place for nobody
+    for number, (walker, members) in enumerate(walks.strides):
+        step = _STRIDE * number + 1 + np.arange(_STRIDE)[:, None]
+        own = place.take(walker)
+        at = np.where(step < late.take(walker), own + size.take(walker), own) + step
+        at[members >= count] = count
+        order[at] = members
+    order[place + np.where(late > 0, size, 0)] = walks.ruler
+    return order[:count], start
 
 
-def _walks(successor: IntArray, is_ruler: BoolArray) -> tuple[IntArray, IntArray, IntArray]:
-    """From each of R rulers, one in sixteen of S, to the next one, all at once.
+def _walks(successor: IntArray, ruler: IntArray) -> _Walks:
+    """From each of some rulers to the next one, all at once; what is in cycles without becomes a ruler too."""
+    count = len(successor)
+    name = np.arange(count)
+    name[ruler] = count + np.arange(len(ruler))
+    onwards = np.concatenate([name.take(successor), name[ruler]])  # who has arrived stays
+    following, length, least = np.empty_like(ruler), np.ones_like(ruler), ruler.copy()
+    walker, at, strides = np.arange(len(ruler)), onwards[ruler], []
+    while len(walker):
+        members = np.empty((_STRIDE + 1, len(at)), dtype=np.int64)
+        members[0] = at
+        for step in range(_STRIDE):
+            onwards.take(members[step], out=members[step + 1], mode="clip")
+        passed, at = members[:-1], members[-1]
+        strides.append((walker, passed))
+        least[walker] = np.minimum(least[walker], passed.min(axis=0))
+        length[walker] += (passed < count).sum(axis=0)
+        arrived = at >= count
+        following[walker[arrived]] = at[arrived] - count
+        walker, at = walker[~arrived], at[~arrived]
+    if length.sum() == count:
+        return _Walks(ruler, following, length, least, strides)
+    alone = np.ones(count + len(ruler), dtype=bool)
+    for _, passed in strides:
+        alone[passed] = False
+    alone[ruler], alone[count:] = False, False
+    rest = np.flatnonzero(alone)
+    alone_following = len(ruler) + np.searchsorted(rest, successor[rest])
+    return _Walks(
+        np.append(ruler, rest),
+        np.append(following, alone_following),
+        np.append(length, np.ones_like(rest)),
+        np.append(least, rest),
+        strides,
+    )
 
-    Returns:
-        (S,) the ruler before each member, -1 in cycles without, and (S,) how many steps it comes after it; (R,) the
-        ruler that follows each one.
-    """
-    rulers = np.flatnonzero(is_ruler)
-    onwards = successor.copy()
-    onwards[rulers] = rulers  # who has arrived stays
-    visit = np.full(len(successor), -1)
-    arrival = np.empty_like(rulers)
-    own = np.arange(len(rulers)) << 32  # the ruler, with the steps in the lower half
-    at, mark = successor[rulers], own + 1
-    while len(at):
-        for _ in range(_STRIDE):
-            visit[at] = mark
-            at = onwards.take(at)
-            mark += 1
-        arrived = is_ruler[at]
-        arrival[mark[arrived] >> 32] = at[arrived]
-        at, mark = at[~arrived], mark[~arrived]
-    visit[rulers] = own
-    return visit >> 32, visit & 0xFFFFFFFF, visit[arrival] >> 32
+
+def _steps_to_least(walks: _Walks, chief: IntArray) -> IntArray:
+    """(R,) after how many steps the walks `chief` pass their least member; 0 for the others."""
+    steps = np.zeros_like(walks.ruler)
+    wanted = np.full_like(walks.ruler, -1)
+    wanted[chief] = walks.least[chief]
+    wanted[wanted == walks.ruler] = -1
+    for number, (walker, members) in enumerate(walks.strides):
+        some = np.flatnonzero(wanted.take(walker) >= 0)
+        step, column = np.nonzero(members[:, some] == wanted[walker[some]])
+        steps[walker[some[column]]] = _STRIDE * number + 1 + step
+    return steps
 
 
 def _jumped(successor: IntArray, value: IntArray, length: IntArray) -> tuple[IntArray, IntArray, IntArray]:

@@ -76,7 +76,9 @@ def _nearest_pairs(points: FloatArray, layer: IntArray, reach: float) -> IntArra
 def _one_way(segments: Segments, going_on: IntArray, length: FloatArray) -> tuple[Segments, IntArray]:
     """Of each outline and its mirror image the one that keeps more of the segments, `length` (S,), as they were cut."""
     count = len(going_on) // 2
-    root, _ = cycles(going_on)
+    order, start = cycles(going_on, np.tile(segments.layer, 2))
+    root = np.empty_like(order)
+    root[order] = np.repeat(order[start[:-1]], np.diff(start))
     mirror_root = np.concatenate([root[count:], root[:count]])
     is_open = root == mirror_root
     forwards = np.bincount(root[:count], weights=length, minlength=2 * count)

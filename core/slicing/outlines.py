@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -95,19 +95,28 @@ class Outlines:
         carried[turned] = carried[turned, ::-1]
         return Outlines(self.points[point], self.start, self.layer, self.face[arriving], carried)
 
+    def runs(self, keep: BoolArray) -> list[Outlines]:
+        """Views of the loops that `keep` (M,) marks, those that follow one another in one."""
+        bounds = np.flatnonzero(np.diff(keep.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
+        return [self.between(first, last) for first, last in bounds.tolist()]
+
     @staticmethod
     def joined(parts: list[Outlines]) -> Outlines:
         """All loops of several tables, ordered by layer."""
         layer = np.concatenate([part.layer for part in parts])
-        count = np.concatenate([part.count for part in parts])
-        points = np.concatenate([part.points for part in parts])
-        face = np.concatenate([part.face for part in parts])
-        carried = np.concatenate([part.carried for part in parts])
-        if (layer[1:] >= layer[:-1]).all():
-            return Outlines(points, starts(count), layer, face, carried)
-        order = np.argsort(layer, kind="stable")
-        index = ranges(starts(count)[:-1][order], count[order])
-        return Outlines(points[index], starts(count[order]), layer[order], face[index], carried[index])
+        if (layer[1:] < layer[:-1]).any():
+            # Copied in runs of loops that stay together, which is several times as fast as point by point.
+            first = starts(np.array([len(part.layer) for part in parts]))
+            order = np.argsort(layer, kind="stable")
+            owner = np.searchsorted(first, order, side="right") - 1
+            begin = np.flatnonzero((np.diff(order, prepend=-2) != 1) | (np.diff(owner, prepend=-1) != 0))
+            own = owner[begin]
+            low = order[begin] - first[own]
+            runs = zip(own.tolist(), low.tolist(), (low + np.diff(begin, append=len(order))).tolist(), strict=True)
+            parts = [parts[number].between(one, other) for number, one, other in runs]
+        names = (column.name for column in fields(Outlines) if column.name != "start")
+        whole = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+        return Outlines(start=starts(np.concatenate([part.count for part in parts])), **whole)
 
 
 def starts(count: IntArray) -> IntArray:
@@ -144,6 +153,12 @@ def preceding(start: IntArray) -> IntArray:
     filled = start[1:] > start[:-1]
     index[start[:-1][filled]] = start[1:][filled] - 1
     return index
+
+
+def interpolated(ends: FloatArray, share: FloatArray) -> FloatArray:
+    """(N, …) values between both ends of segments (N, 2, …), the share (N,) of the way, at most all of it."""
+    share = np.clip(share, 0, 1)[:, None]
+    return np.asarray(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]))
 
 
 def sums(values: FloatArray, start: IntArray) -> FloatArray:

@@ -40,7 +40,7 @@ class Regions:
         loop_polygon = place[np.concatenate([self.loop_polygon[stay], others])]
         loop_layer = np.concatenate([self.outlines.layer[stay], other.outlines.layer])
         return Regions(
-            Outlines.joined([self.outlines.selected(stay), other.outlines]),
+            Outlines.joined([*self.outlines.runs(stay), other.outlines]),
             np.concatenate([self.polygons, other.polygons])[kept],
             layer[kept],
             loop_polygon[np.argsort(loop_layer, kind="stable")],

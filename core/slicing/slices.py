@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import MeshError
 from ..mesh import size_hint
-from ..model import IntArray, TriangleMesh
+from ..model import BoolArray, IntArray, TriangleMesh
 from ..pattern.chunks import in_threads
 from ..settings import PrintSettings
 from .bands import linked_outlines
@@ -18,7 +18,8 @@ from .open_layers import check_open
 from .outlines import Outlines, sums
 from .overlaps import overlaps
 from .planes import Layers, layer_stack
-from .regions import layer_regions, regions_of
+from .regions import Regions, layer_regions, regions_of
+from .uncross import uncrossed
 from .union import united
 
 # Loops smaller than this (mm²) come from vertices that touch a plane.
@@ -72,9 +73,8 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     crossing = ~shapely.is_valid(regions)
     if crossing.any():
         # Nesting says nothing about loops that cross: go back to the loops as they were cut.
-        mended = regions_of(_united_where(whole, crossing, shortest))
+        mended, regions[crossing] = _mended(whole, crossing, shortest)
         solid = solid.with_layers_from(mended, crossing)
-        regions[crossing] = layer_regions(mended.polygons, mended.polygon_layer, len(stack))[crossing]
     if len(solid.polygons) == 0 and len(open_layers) == 0:
         raise _nothing(mesh, specks, shortest, settings)
     check_open(open_layers, solid.polygon_layer, stack)
@@ -95,7 +95,20 @@ def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: Pr
     return MeshError("the mesh has no inside to print", hint or volume)
 
 
-def _united_where(outlines: Outlines, crossing: NDArray[np.bool_], shortest: float) -> Outlines:
+def _mended(outlines: Outlines, crossing: BoolArray, shortest: float) -> tuple[Regions, NDArray[np.object_]]:
+    """The regions of the layers with loops that cross, which `crossing` (L,) marks, and one multipolygon for each."""
+    loops = outlines.selected(crossing[outlines.layer])
+    solid = regions_of(cleaned(uncrossed(loops), shortest)[0])
+    regions = layer_regions(solid.polygons, solid.polygon_layer, len(crossing))
+    still = ~shapely.is_valid(regions)
+    if still.any():
+        whole = regions_of(_united_where(loops, still, shortest))
+        solid = solid.with_layers_from(whole, still)
+        regions[still] = layer_regions(whole.polygons, whole.polygon_layer, len(crossing))[still]
+    return solid, regions[crossing]
+
+
+def _united_where(outlines: Outlines, crossing: BoolArray, shortest: float) -> Outlines:
     """The loops of the layers that `crossing` (L,) marks, united."""
     bounds = np.searchsorted(outlines.layer, np.flatnonzero(crossing)[:, None] + [0, 1]).tolist()
     return Outlines.joined(in_threads(lambda loops: cleaned(united(outlines.between(*loops)), shortest)[0], bounds))

@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
-from .outlines import Outlines, starts
+from .outlines import Outlines, interpolated, starts
 
 # Odd numbers with bits all over, to scatter coordinates by.
 _SCATTER = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F], dtype=np.uint64)
@@ -69,7 +69,7 @@ def _taken_over(tail: FloatArray, head: FloatArray, source: Outlines) -> tuple[I
     length2 = np.maximum((along**2).sum(axis=1), 1e-300)
     carried = np.stack(
         [
-            _interpolated(source.carried[parent], ((point - start) * along).sum(axis=1) / length2)
+            interpolated(source.carried[parent], ((point - start) * along).sum(axis=1) / length2)
             for point in (tail, head)
         ],
         axis=1,
@@ -101,8 +101,3 @@ def _scattered(points: FloatArray) -> NDArray[np.uint64]:
     for shift, factor in zip(np.array([33, 29], dtype=np.uint64), _SCATTER, strict=True):
         mixed = (mixed ^ (mixed >> shift)) * factor
     return mixed ^ (mixed >> np.uint64(32))
-
-
-def _interpolated(ends: FloatArray, share: FloatArray) -> FloatArray:
-    share = np.clip(share, 0, 1)[:, None]
-    return np.asarray(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]))

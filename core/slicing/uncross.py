@@ -1,0 +1,93 @@
+"""Loops that cross: cut where they do and joined the other way, so that none crosses another one or itself."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..model import FloatArray, IntArray
+from .cycles import cycles
+from .outlines import Outlines, following, interpolated, ranges, starts
+
+_OBLIQUE = np.array([1.0, 0.6180339887])  # along it hardly any two segments of straight walls lie side by side
+_MOST_PAIRS = 256  # for each segment; where more have to be looked at, GEOS is faster
+_PAIRS_AT_ONCE = 1 << 18
+
+
+def uncrossed(outlines: Outlines) -> Outlines:
+    """Loops along the same lines in the same directions, but where two lines cross, each goes on as the other one.
+
+    Every place is wound around as often as before. What only touches or lies on one another stays as it is, and
+    rounding may make new crossings: whoever needs loops without any has to look again.
+
+    Args:
+        outlines: loops of some layers.
+    """
+    segment, share, place = _crossings(outlines)
+    count, nodes = len(outlines.points), len(segment)
+    if not nodes:
+        return outlines
+    # Each crossing makes two nodes, one on either segment; they come after the points, and the second ones last.
+    source, begin = np.concatenate([np.arange(count), segment]), np.concatenate([np.zeros(count), share])
+    loop = outlines.loop[source]
+    along = np.lexsort((begin, source))
+    parted = np.flatnonzero(source[along][1:] == source[along][:-1])
+    end = np.ones(len(source))
+    end[along[parted]] = begin[along[parted + 1]]
+    successor = np.empty_like(source)
+    successor[along] = along[following(starts(np.bincount(loop, minlength=len(outlines.layer))))]
+    other_way = np.concatenate([np.arange(count), count + np.roll(np.arange(nodes), nodes // 2)])
+    order, start = cycles(other_way[successor], outlines.layer[loop])
+    points = np.concatenate([outlines.points, place, place])[order]
+    layer = outlines.layer[loop[order[start[:-1]]]]
+    source, begin, end = source[order], begin[order], end[order]
+    carried = outlines.carried[source]
+    pieces = np.flatnonzero((begin > 0) | (end < 1))
+    ends = [interpolated(carried[pieces], at[pieces]) for at in (begin, end)]
+    carried[pieces] = np.stack(ends, axis=1)
+    return Outlines(points, start, layer, outlines.face[source], carried)
+
+
+def _crossings(outlines: Outlines) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Segments (2K,) and shares (2K,) of K places (K, 2) where the insides of two segments of a layer cross.
+
+    The first of the two segments of each come first, in the order of the places, then the second ones.
+    """
+    tails, heads = outlines.points, outlines.ends
+    first, second = _near_pairs(tails, heads, outlines.layer[outlines.loop])
+    a, b, c, d = tails[first], heads[first], tails[second], heads[second]
+    # On which side of each segment's line the ends of the other one lie.
+    before, after = _cross(b - a, c - a), _cross(b - a, d - a)
+    below, above = _cross(d - c, a - c), _cross(d - c, b - c)
+    crossing = np.flatnonzero((before * after < 0) & (below * above < 0))
+    first, second, a, b = first[crossing], second[crossing], a[crossing], b[crossing]
+    before, after, below, above = (side[crossing] for side in (before, after, below, above))
+    share = below / (below - above)
+    place = a + share[:, None] * (b - a)
+    return np.concatenate([first, second]), np.concatenate([share, before / (before - after)]), place
+
+
+def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
+    """(N,) how far vectors (N, 2) turn left from one to the other, times both lengths."""
+    return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+
+
+def _near_pairs(tails: FloatArray, heads: FloatArray, layer: IntArray) -> tuple[IntArray, IntArray]:
+    """Pairs of segments of one layer whose oblique bounding boxes meet; none at all where there are too many."""
+    axes = [_OBLIQUE, _OBLIQUE[::-1] * [-1, 1]]
+    (low, high), (left, right) = (
+        (np.minimum(one, other), np.maximum(one, other))
+        for one, other in ((tails @ axis, heads @ axis) for axis in axes)
+    )
+    pitch = layer * (np.ptp(np.append(low, high)) + 1) if len(layer) else layer
+    low, high = low + pitch, high + pitch
+    order = np.argsort(low)
+    count = np.searchsorted(low[order], high[order], side="right") - np.arange(1, len(order) + 1)
+    if count.sum() > _MOST_PAIRS * len(count):
+        count[:] = 0
+    found = [np.zeros((2, 0), dtype=np.int64)]
+    for part in np.split(np.arange(len(count)), np.flatnonzero(np.diff(np.cumsum(count) // _PAIRS_AT_ONCE)) + 1):
+        one, other = order[np.repeat(part, count[part])], order[ranges(part + 1, count[part])]
+        meets = (left[one] <= right[other]) & (left[other] <= right[one])
+        found.append(np.stack([one[meets], other[meets]]))
+    first, second = np.concatenate(found, axis=1)
+    return first, second
