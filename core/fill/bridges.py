@@ -101,13 +101,14 @@ def _over_air(
     inside: Shapes, found: Skins, below: Shapes, island_layer: IntArray, width_mm: float
 ) -> tuple[Shapes, IntArray]:
     """Connected parts of skins with nothing below, without narrow ones and small ones, and their islands."""
-    skin = np.where(found.whole, inside, found.regions)
-    rows = np.flatnonzero((shapely.area(skin) >= _SMALLEST_MM2) & (island_layer > 0))
-    pieces, owner = uncovered(skin[rows], island_layer[rows], below, [-1], _SMALLEST_MM2)
-    pieces = shapely.intersection(pieces, inside[rows[owner]])  # skins reach beyond it
+    rows = np.flatnonzero((found.whole | ~shapely.is_empty(found.regions)) & (island_layer > 0))
+    pieces, owner = uncovered(inside[rows], island_layer[rows], below, [-1], _SMALLEST_MM2)
+    island = rows[owner]
+    some = ~found.whole[island]
+    pieces[some] = shapely.intersection(pieces[some], found.regions[island[some]])
     parts, piece = shapely.get_parts(offset(offset(pieces, -width_mm), width_mm), return_index=True)
     large = shapely.area(parts) >= _SMALLEST_MM2
-    return parts[large], rows[owner[piece[large]]].astype(np.int64)
+    return parts[large], island[piece[large]].astype(np.int64)
 
 
 def _directions(parts: Shapes, carrying: Shapes, width_mm: float) -> tuple[BoolArray, FloatArray]:
