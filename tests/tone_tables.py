@@ -1,0 +1,23 @@
+"""Tone tables made by hand."""
+
+import numpy as np
+from dualcolor.core.calibration.about import About, tone_settings
+from dualcolor.core.calibration.gamut_mapping import WHOLE_RANGE, printable_tones
+from dualcolor.core.calibration.table import ToneTable
+from dualcolor.core.settings import PrintSettings
+
+DEFAULT = PrintSettings()
+ABOUT = About(tone_settings(DEFAULT), {"Black": 0.0, "White": 1.0}, "a test")
+TONE = np.linspace(0, 1, 11)
+
+
+def table(*rows, slants=None, tone=TONE):
+    rows = np.array(rows)
+    slants = np.arange(len(rows)) * 30.0 if slants is None else np.array(slants)
+    return ToneTable(tone, slants, rows, np.full(rows.shape, 0.001), ABOUT)
+
+
+def inverse(made, mapping="compress", shown=WHOLE_RANGE):
+    """(S, 513) the tone to print for tones from 0 to 1 on each slope of the table."""
+    chosen = PrintSettings(gamut_mapping=mapping)
+    return printable_tones(np.linspace(0, 1, 513), made.slant_deg, made, shown, chosen).printed
