@@ -53,8 +53,7 @@ def table_for(settings: PrintSettings) -> ToneTable | None:
 
 def shipped_table(settings: PrintSettings) -> ToneTable | None:
     """Of the tables that come with the program the one for this pattern that fits best; None if there is none."""
-    tables = [read_table(path) for path in sorted(SHIPPED.glob("*.json"))]
-    tables = [table for table in tables if table.about.settings.get("pattern") == settings.pattern]
+    tables = [read_table(path) for path in sorted((SHIPPED / settings.pattern).glob("*.json"))]
     return min(tables, key=lambda table: table.about.distance(settings), default=None)
 
 
