@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Mapping
 from io import BytesIO
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import bpy
 from ..core.errors import OutputError
 from ..core.files import write_file
 from ..core.model import SurfaceModel
-from ..core.progress import Progress, drained, retold
+from ..core.progress import Progress, retold
 from ..core.viewing import (
     DISTANCES_MM,
     TURNTABLE,
@@ -28,20 +28,6 @@ TURNTABLE_FRAMES = 24
 _TURNTABLE_PIXELS = 480
 _FRAME_MS = 100
 _SHEET_DISTANCE = "desk"
-
-
-def take_pictures(
-    collection: bpy.types.Collection,
-    files: Mapping[str, Path],
-    options: PictureOptions,
-    sheet: Path | None = None,
-    model: SurfaceModel | None = None,
-    background: float = 0.5,
-    on_progress: Callable[[float, str], None] | None = None,
-) -> None:
-    """What `picture_steps` does, all at once; `on_progress` is told the share done and the view to come."""
-    steps = picture_steps(collection, files, options, sheet, model, background)
-    drained(steps, lambda step: on_progress(*step) if on_progress else None)
 
 
 def picture_steps(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from ..core.files import write_file
 from ..core.outputs import OutputFiles
 from ..core.presets import settings_json
+from ..core.progress import drained
 from ..core.settings import PrintSettings
 from ..core.viewing import PictureOptions
 from .arguments import chosen_outputs, path_ending_in
@@ -112,7 +113,7 @@ def save_strands(
     """Save the scene with its strands, their mesh and their pictures, as far as asked for."""
     from ..bridge.blend_file import save_blend
     from ..bridge.rods import rods_of
-    from ..bridge.views import take_pictures
+    from ..bridge.views import picture_steps
     from ..core.mesh_files import write_mesh
 
     if "mesh" in paths:
@@ -123,7 +124,8 @@ def save_strands(
     views = {kind.removeprefix(PREFIX): files.staged(path) for kind, path in paths.items() if kind.startswith(PREFIX)}
     sheet = files.staged(paths["contact_sheet"]) if "contact_sheet" in paths else None
     if views or sheet:
-        take_pictures(strands, views, pictures, sheet, model, settings.background_tone, progress.show)
+        steps = picture_steps(strands, views, pictures, sheet, model, settings.background_tone)
+        drained(steps, lambda step: progress.show(*step))
 
 
 def _write(

@@ -15,8 +15,9 @@ from dualcolor.bridge.painted import painted_model  # noqa: E402
 from dualcolor.bridge.rods import rods_of  # noqa: E402
 from dualcolor.bridge.studio import swept  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
-from dualcolor.bridge.views import TURNTABLE_FRAMES, take_pictures  # noqa: E402
+from dualcolor.bridge.views import TURNTABLE_FRAMES, picture_steps  # noqa: E402
 from dualcolor.core.errors import OutputError  # noqa: E402
+from dualcolor.core.progress import drained  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.viewing import PictureOptions  # noqa: E402
 from dualcolor.tests.scene import add_box, add_material, add_uvs, flat_image  # noqa: E402
@@ -33,6 +34,10 @@ def cube(scene):
     add_material(made, flat_image((1, 1, 1, 1)))
     bpy.context.view_layer.update()
     return made
+
+
+def take_pictures(*wanted):
+    drained(picture_steps(*wanted))
 
 
 def pixels(path):
