@@ -83,3 +83,14 @@ def path_ending_in(*suffixes: str) -> Callable[[str], Path]:
         return Path(text)
 
     return path
+
+
+def gcode_path(text: str) -> Path:
+    """A path for G-code, which may end in anything but what a printer reads from its card as X3G.
+
+    Raises:
+        argparse.ArgumentTypeError: it ends in .x3g.
+    """
+    if Path(text).suffix.lower() == ".x3g":
+        raise argparse.ArgumentTypeError(f"{text} would hold G-code: --x3g writes X3G")
+    return Path(text)

@@ -14,7 +14,7 @@ from ..core.presets import settings_json
 from ..core.progress import drained
 from ..core.settings import PrintSettings
 from ..core.viewing import PictureOptions
-from .arguments import chosen_outputs, path_ending_in
+from .arguments import chosen_outputs, gcode_path, path_ending_in
 from .pictures import PREFIX, add_pictures, picture_outputs
 from .terminal import Progress
 
@@ -30,8 +30,9 @@ OUTPUTS = ("gcode", "x3g", "blend", "mesh", "report", "dump", "save_settings")
 def add_outputs(parser: argparse.ArgumentParser) -> None:
     """Let the user choose which files are written."""
     outputs = parser.add_argument_group("outputs")
-    outputs.add_argument("--gcode", type=Path, metavar="F.gcode", help="G-code for the Replicator 2X")
-    outputs.add_argument("--x3g", type=Path, metavar="F.x3g", help="what the Replicator 2X reads from its card")
+    outputs.add_argument("--gcode", type=gcode_path, metavar="F.gcode", help="G-code for the printer")
+    outputs.add_argument("--x3g", type=path_ending_in(".x3g"), metavar="F.x3g", help="what the Replicator "
+                         "2X reads from its card")  # fmt: skip
     outputs.add_argument("--blend", type=path_ending_in(".blend"), metavar="F.blend", help="Blender file with the "
                          "model and its strands")  # fmt: skip
     outputs.add_argument("--mesh", type=path_ending_in(".stl", ".obj"), metavar="F.stl|F.obj", help="mesh of the "

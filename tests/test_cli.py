@@ -181,6 +181,8 @@ def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypa
         ["print", "x.obj", "--unwrap", "magic"],
         ["print", "x.obj", "--blend", "x.png"],
         ["print", "x.obj", "--dump", "x"],
+        ["print", "x.obj", "--gcode", "x.x3g"],
+        ["print", "x.obj", "--x3g", "x.gcode"],
     ],
 )
 def test_wrong_usage_is_status_2(arguments, capfd):
