@@ -109,10 +109,11 @@ def thin_warnings(report: dict[str, Any], settings: PrintSettings) -> list[str]:
         return []
     largest = report["places"][0]
     noun, verb = ("feature", "holds") if report["count"] == 1 else ("features", "hold")
+    layers = "1 layer" if report["layers"] == 1 else f"{report['layers']} layers"
     least = 2 * LEAST_WIDTH * settings.extrusion_width
     return [
         f"{report['count']} {noun} thinner than {least:.2f} mm {verb} no wall: {report['length_mm']:.0f} mm in "
-        f"{report['layers']} layers from {report['z_from']:.2f} to {report['z_to']:.2f} mm, the largest at "
+        f"{layers} from {report['z_from']:.2f} to {report['z_to']:.2f} mm, the largest at "
         f"x {largest['x']:.1f}, y {largest['y']:.1f}, z {largest['z_from']:.2f} to {largest['z_to']:.2f} mm; "
         "thicken them, scale the object up or lower extrusion_width"
     ]
