@@ -47,7 +47,8 @@ def check_numbers(moves: Moves) -> None:
         (moves.filament, "an amount of filament"),
         (moves.speed, "a speed"),
     ):
-        if not np.isfinite(column).all():
+        # What is not a number is neither the least nor the greatest, but in place of both.
+        if column.size and not np.isfinite([column.min(), column.max()]).all():
             raise PrintError(
                 f"a move has {what} that is not a number", "check the mesh and the settings for extreme values"
             )
@@ -108,7 +109,8 @@ def check_temperatures(moves: Moves, settings: PrintSettings) -> None:
     """Nozzles that print are hot, and nothing gets hotter than the printer allows."""
     coldest_nozzle = settings.printer_profile.extrusion_temperature_c
     hottest_nozzle, hottest_bed = settings.printer_profile.max_temperature_c
-    for tool in np.flatnonzero(np.bincount(moves.tool[moves.extrudes])).tolist():
+    is_first, strands = moves.tool == 0, moves.extrudes
+    for tool in [tool for tool, own in enumerate((is_first, ~is_first)) if (own & strands).any()]:
         name = f"nozzle_temperature_{tool}"
         degrees = getattr(settings, name)
         if not coldest_nozzle <= degrees <= hottest_nozzle:

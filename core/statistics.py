@@ -13,7 +13,6 @@ from .model import BoolArray, FloatArray, IntArray
 from .pattern.chunks import in_chunks
 from .printer import Four, PrinterProfile
 from .settings import PrintSettings
-from .slicing.outlines import ranges
 from .toolpaths.moves import Feature, Moves
 
 _SHORTEST_MM = 1e-9
@@ -92,8 +91,10 @@ def layer_begins(moves: Moves, seconds: FloatArray) -> FloatArray:
         moves: the print.
         seconds: (M,) `move_seconds` of the moves.
     """
-    passed = np.concatenate([[0.0], np.cumsum(seconds)])
-    return np.asarray(passed[np.append(np.flatnonzero(layer_changes(moves.layer)), len(moves.layer))])
+    if not len(seconds):
+        return np.zeros(1)
+    taken = np.add.reduceat(seconds, np.flatnonzero(layer_changes(moves.layer)))
+    return np.concatenate([[0.0], np.cumsum(taken)])
 
 
 def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
@@ -113,8 +114,9 @@ def _segments(moves: Moves, printer: PrinterProfile) -> _Segments:
     takes, length, speed, acceleration, corner, *tips = measured
     # What lies between the last segment of a chunk and the first one of the next.
     between = np.flatnonzero(np.isnan(corner))
-    tips = [tip[1:] for tip in tips]
-    corner[between] = np.append(_corner_speeds_squared(printer.max_speed_change_mm_s, *tips)[::2], 0.0)[: len(between)]
+    tool, reached, *direction = (tip[1:] for tip in tips)
+    beyond = _corner_speeds_squared(tool, reached, np.array(direction))[::2]
+    corner[between] = np.append(beyond, 0.0)[: len(between)]
     return _Segments(takes, length, speed, acceleration, corner)
 
 
@@ -122,7 +124,7 @@ def _measured(moves: Moves, printer: PrinterProfile, row: IntArray) -> tuple[NDA
     """The columns of `_Segments` for some rows that follow each other, without those that take no time.
 
     The last corner is not known yet, NaN; what it takes of the first and the last segment comes after the columns,
-    as for `_corner_speeds_squared`.
+    as for `_corner_speeds_squared`, axis by axis.
     """
     here = slice(int(row[0]), int(row[-1]) + 1)
     near = moves.position[max(here.start - 1, 0) : here.stop].T
@@ -139,39 +141,47 @@ def _measured(moves: Moves, printer: PrinterProfile, row: IntArray) -> tuple[NDA
     if not kept.all():
         length, speed, tool, direction = length[kept], speed[kept], tool[kept], direction[:, kept]
     direction /= length
-    x, y, lift, fed = np.abs(direction)
-    level = np.maximum(x, y, out=x)
-    speed = np.minimum(speed, 1 / _most(level, lift, fed, printer.max_speed_mm_s))
-    acceleration = 1 / _most(level, lift, fed, printer.acceleration_mm_s2)
+    shares = np.abs(direction)
+    shares[1] = np.maximum(shares[0], shares[1])  # the limits of X and Y are the same
+    speed = np.minimum(speed, 1 / _greatest(shares[1:] * _inverse(printer.max_speed_mm_s)[1:]))
+    acceleration = 1 / _greatest(shares[1:] * _inverse(printer.acceleration_mm_s2)[1:])
+    direction *= _inverse(printer.max_speed_change_mm_s)
     corner = np.full(len(length), np.nan)
-    corner[:-1] = _corner_speeds_squared(printer.max_speed_change_mm_s, tool, speed, direction.T)
-    tips = [column[[0, -1]] if len(length) else column for column in (tool, speed, direction.T)]
+    corner[:-1] = _corner_speeds_squared(tool, speed, direction)
+    tips = [column[[0, -1]] if len(length) else column for column in (tool, speed, *direction)]
     return kept, length, speed, acceleration, corner, *tips
 
 
-def _most(level: FloatArray, lift: FloatArray, fed: FloatArray, limits: Four) -> FloatArray:
-    """(S,) the greatest share of a limit that an axis takes: X or Y, whose limits are the same, Z or the filament."""
-    share = np.maximum(level / limits[0], lift / limits[2])
-    return np.maximum(share, fed / limits[3], out=share)
+def _inverse(limits: Four) -> FloatArray:
+    """(4, 1) of the limits of X, Y, Z and the filament."""
+    return 1 / np.array(limits)[:, None]
 
 
-def _corner_speeds_squared(at_once: Four, tool: IntArray, speed: FloatArray, direction: FloatArray) -> FloatArray:
+def _greatest(shares: FloatArray) -> FloatArray:
+    """(S,) of the values of each axis, (A, S); faster than numpy's own along a short axis."""
+    greatest: FloatArray = shares[0]
+    for share in shares[1:]:
+        np.maximum(greatest, share, out=greatest)
+    return greatest
+
+
+def _corner_speeds_squared(tool: IntArray, speed: FloatArray, direction: FloatArray) -> FloatArray:
     """(S - 1,) mm²/s², greatest squared speed between S segments that follow each other; 0 where the tool changes.
 
     Args:
-        at_once: mm/s that each axis may change its speed by.
         tool: (S,).
         speed: (S,) mm/s.
-        direction: (S, 4), for each mm of length.
+        direction: (4, S), for each mm of length, in units of what each axis may change its speed by at once, mm/s.
     """
-    change = np.diff(direction.T)
-    np.abs(change, out=change)
-    change /= np.array(at_once)[:, None]
+    change = direction[:, 1:] - direction[:, :-1]
+    limit = _greatest(np.abs(change, out=change))
     with np.errstate(divide="ignore"):
-        limit = 1 / change.max(axis=0)
-    np.minimum(limit, np.minimum(speed[1:], speed[:-1]), out=limit)
+        np.divide(1, limit, out=limit)
+    np.minimum(limit, speed[1:], out=limit)
+    np.minimum(limit, speed[:-1], out=limit)
     limit[tool[1:] != tool[:-1]] = 0.0
-    return np.asarray(limit * limit)
+    limit *= limit
+    return limit
 
 
 def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatArray:
@@ -219,12 +229,13 @@ def _trapezoid_seconds(
 def tool_change_rows(moves: Moves) -> BoolArray:
     """(M,) rows without a strand between the last strand of one tool and the first of the other."""
     inside = np.zeros(len(moves.tool), dtype=bool)
+    idle = np.flatnonzero(~moves.extrudes)
     switched = np.flatnonzero(moves.tool[1:] != moves.tool[:-1]) + 1
-    if not len(switched):
-        return inside
-    strand = np.flatnonzero(moves.extrudes)
-    after = np.searchsorted(strand, switched)
-    begin = np.concatenate([[-1], strand])[after] + 1
-    end = np.concatenate([strand, [len(moves.tool)]])[after]
-    inside[ranges(begin, end - begin)] = True
+    if len(switched) and len(idle):
+        inside[switched] = inside[switched - 1] = True
+        run = np.cumsum(np.diff(idle, prepend=idle[0]) > 1)
+        changes = np.zeros(run[-1] + 1, dtype=bool)
+        changes[run[inside[idle]]] = True
+        inside[:] = False
+        inside[idle] = changes[run]
     return inside

@@ -72,8 +72,9 @@ def _extrusions(
     point = np.arange(total)
     point += np.repeat(paths.start[:-1] - first_row[:-1] - approach + 1, rows)
     point[before] = np.repeat(paths.start[:-1], approach)
-    position = np.empty((total, 3))
-    position[:, :2] = paths.points.take(point, axis=0)
+    # Axis by axis in memory, as it is read by those who come after.
+    position = np.empty((3, total)).T
+    position[:, 0], position[:, 1] = paths.points[:, 0].take(point), paths.points[:, 1].take(point)
     position[:, 2] = np.repeat(layers.top[paths.layer], rows)
     point -= 1  # the point that the line leaves
 
