@@ -84,6 +84,10 @@ class Contours:
         """(N,) the loop of each point."""
         return np.repeat(np.arange(len(self.layer)), np.diff(self.start))
 
+    def uv_at(self, point: IntArray) -> FloatArray:
+        """(Q, 2) UVs at some of the points."""
+        return np.stack([self.carried[:, column].take(point) for column in (0, 1)], axis=1)
+
     def locate(self, arc: FloatArray, loop: IntArray | None = None) -> tuple[IntArray, IntArray, FloatArray]:
         """Where places lie: index of the point before, of the point after, and the share of the way between them.
 

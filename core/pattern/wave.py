@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, starts
-from .along_loops import filtered
+from .along_loops import filtered, rows
+from .chords import chord_ends
 from .chunks import in_chunks
 from .contours import POINTS_PER_WAVELENGTH, Contours
 from .modulation import faded, layer_is_black, layer_shift, layer_sign, shape, supported
@@ -147,9 +147,14 @@ def waved(
         phase, swing = _swing(share, pieces.waves[row], layer[pieces.loop[row]], settings)
         moved = swing * value[:, 4] / 2 - value[:, 5]
         points = value[:, :2] + value[:, 2:4] * moved[:, None]
-        kept = _kept(points, row - piece[0], tolerance, None if swapped is None else value[:, 8] > 0.5)
+        last = np.cumsum(count[piece] + 1) - 1
+        keep = chord_ends(rows(points), last - count[piece], count[piece], last, tolerance)
+        if swapped is not None:
+            keep[1:] |= (value[1:, 8] > 0.5) != (value[:-1, 8] > 0.5)
+        keep[last] = False  # the first point of what comes next
+        kept = np.flatnonzero(keep)
         nearest = np.where(weight[kept] < 0.5, before[kept], after[kept])
-        uv = lines.carried.take(nearest, axis=0)[:, :2]
+        uv = lines.uv_at(nearest)
         return points.take(kept, axis=0), value.take(kept, axis=0), phase[kept], pieces.loop[row[kept]], uv
 
     at_once = max(CHORDS_AT_ONCE * len(count) // max(int(count.sum()), 1), 1)
@@ -179,28 +184,15 @@ def _without_waves(
     swapped: BoolArray | None,
 ) -> WavedOutlines:
     """As `waved` where no contour carries a wave: their own points, set back."""
-    loops = len(lines.layer)
-
-    def chunk(loop: IntArray) -> tuple[NDArray[Any], ...]:
-        start = lines.start[loop[0] : loop[-1] + 2]
-        part = slice(start[0], start[-1])
-        moved = lines.points[part].copy()
-        for axis in (0, 1):
-            moved[:, axis] -= lines.normal[part, axis] * set_back[part]
-        # Each loop up to its first point again.
-        count = np.diff(start) + 1
-        point = ranges(start[:-1], count)
-        point[np.cumsum(count) - 1] = start[:-1]
-        points = moved.take(point - start[0], axis=0)
-        tools = None if swapped is None else swapped[point]
-        kept = _kept(points, np.repeat(loop - loop[0], count), settings.chord_tolerance, tools)
-        return points.take(kept, axis=0), point[kept]
-
-    at_once = max(CHORDS_AT_ONCE * loops // max(len(lines.arc), 1), 1)
-    points, point = in_chunks(chunk, np.arange(loops), rows=at_once) if loops else (lines.points, lines.start[:0])
+    moved = np.stack([lines.points[:, axis] - lines.normal[:, axis] * set_back for axis in (0, 1)])
+    first = lines.start[:-1]
+    keep = chord_ends(moved, first, np.diff(lines.start), first, settings.chord_tolerance)
+    if swapped is not None:
+        keep[1:] |= swapped[1:] != swapped[:-1]
+    point = np.flatnonzero(keep)
     return WavedOutlines(
         base=lines.points.take(point, axis=0),
-        points=points,
+        points=np.stack([row.take(point) for row in moved], axis=1),
         start=np.searchsorted(point, lines.start),
         layer=lines.layer,
         polygon=lines.polygon,
@@ -208,7 +200,7 @@ def _without_waves(
         depth=depth[point],
         set_back=set_back[point],
         tone=tone[point],
-        uv=lines.carried.take(point, axis=0)[:, :2],
+        uv=lines.uv_at(point),
         width=lines.width[point],
         swapped=None if swapped is None else swapped[point],
     )
@@ -248,30 +240,6 @@ def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: Prin
     chord = np.where(pieces.waves, chord, np.inf)
     own = settings.wavelength / POINTS_PER_WAVELENGTH
     return np.asarray(np.ceil(pieces.length / np.minimum(chord, own)), dtype=np.int64)
-
-
-def _kept(points: FloatArray, piece: IntArray, tolerance: float, tools: BoolArray | None) -> IntArray:
-    """Rows that remain of (Q, 2) points of pieces, those at which the tools (Q,) change too: no piece's last one."""
-    keep = _within_tolerance(points, piece, tolerance)
-    if tools is not None:
-        keep[1:] |= tools[1:] != tools[:-1]
-    # The last point of a span is the first one of the next.
-    keep[:-1] &= piece[1:] == piece[:-1]
-    keep[-1] = False
-    return np.flatnonzero(keep)
-
-
-def _within_tolerance(
-    points: FloatArray, piece: IntArray, tolerance: float
-) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Which points a simplification of each piece keeps; its first and last point always."""
-    numbered = np.column_stack([points, np.arange(len(points))])
-    # GEOS carries the third coordinate along untouched: it says which points are left.
-    lines = shapely.simplify(shapely.linestrings(numbered, indices=piece), tolerance, preserve_topology=False)
-    left = shapely.get_coordinates(lines, include_z=True)[:, 2].astype(np.int64)
-    keep = np.zeros(len(points), dtype=bool)
-    keep[left] = True
-    return keep
 
 
 def valley_lines(lines: Contours, depth: FloatArray, set_back: FloatArray) -> FloatArray:
