@@ -63,7 +63,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
     outer = outer_wall_paths(wall.outlines)
     shade = aside("shadow", _shadow, cut, holding, settings)
-    around = aside("surroundings", _surroundings, shade, cut, holding, outer, settings)
+    around = aside("surroundings", _surroundings, shade, cut, holding, outer.first_layer, settings)
     thin = aside("thin features", thin_features, cut, lines, settings)
     yield stages.begin(0.65, "fill")
     of_wall = (wall.outlines, lines, wall.depth, wall.set_back)
@@ -100,7 +100,7 @@ def _surroundings(shade: Geometry, cut: Slices, holding: Supports, wall: Paths, 
 
 
 def _moves(wall: Paths, inner: Paths, around: Paths, layers: Layers, within: Rooms, settings: PrintSettings) -> Moves:
-    part = lifted(Paths.joined([wall, inner]), settings)
-    moves = assemble(ordered(Paths.joined([part, around]), settings), raised(layers, settings), settings, within)
+    paths = Paths.joined([lifted(wall, settings), lifted(inner, settings), around])
+    moves = assemble(ordered(paths, settings), raised(layers, settings), settings, within)
     check(moves, settings)
     return moves

@@ -106,8 +106,10 @@ def test_a_stroke_fills_only_the_islands_anew_that_it_moves(monkeypatch):
     generate(model(FIRST), PrintSettings(), cache=cache)
     tone = FIRST.tone.copy()
     tone[12:14] = 0.5
+    names = counted(cache, monkeypatch)
     touched = generate(model(replace(FIRST, tone=tone)), PrintSettings(), cache=cache)
     assert 0 < given[1] < given[0] / 2 and len(given) == 2
+    assert "wave" in names and "surroundings" not in names  # what stands on the bed knows the first layer alone
     assert of(touched) == of(generate(model(replace(FIRST, tone=tone)), PrintSettings()))
 
 

@@ -59,6 +59,22 @@ class Paths:
         none = np.zeros(0, dtype=np.int64)
         return Paths(np.zeros((0, 2)), np.zeros(1, dtype=np.int64), none, none, none, none.astype(bool), np.zeros(0))
 
+    @property
+    def first_layer(self) -> Paths:
+        """The paths of layer 0, as views; the layers must not decrease."""
+        count = int(np.searchsorted(self.layer, 1))
+        points = slice(0, self.start[count])
+        return Paths(
+            points=self.points[points],
+            start=self.start[: count + 1],
+            layer=self.layer[:count],
+            feature=self.feature[:count],
+            island=self.island[:count],
+            closed=self.closed[:count],
+            width=self.width[points],
+            swapped=None if self.swapped is None else self.swapped[:count],
+        )
+
     @staticmethod
     def joined(parts: list[Paths]) -> Paths:
         """All paths of several tables in one."""

@@ -50,19 +50,24 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
     asked = np.where(paths.layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
     height = layers.height[paths.layer]
     travelled = np.concatenate([[0.0], np.cumsum(length)])
-    queue = settings.printer_profile.queue_moves
+    queue, seconds = settings.printer_profile.queue_moves, settings.min_move_time / 1000
     path_of_point = np.repeat(np.arange(len(paths.layer)), np.diff(paths.start))
 
     def chunk(chord: IntArray, path: IntArray) -> tuple[FloatArray]:
         """The speeds of some chords that follow each other."""
+        speed = asked[path]
         limit = curve_limit(paths, length, chord, settings.max_curve_acceleration)
-        rate = move_time_limit(paths, travelled, chord, path, settings.min_move_time / 1000, queue)
-        limit = np.minimum(limit, rate)
+        # A chord that takes its time at the speed asked for is never a burden, whatever its neighbours are.
+        short = np.flatnonzero(length[chord] < speed * seconds)
+        rate = move_time_limit(paths, travelled, chord[short], path[short], seconds, queue)
+        limit[short] = np.minimum(limit[short], rate)
         if settings.max_volumetric_speed > 0:
             section = paths.width[chord] * height[path] * settings.extrusion_multiplier
             limit = np.minimum(limit, settings.max_volumetric_speed / np.maximum(section, _SHORTEST_MM))
-        stepped = np.maximum(np.floor(np.minimum(limit, asked[path]) / _STEP_MM_S + 1e-6) * _STEP_MM_S, _SLOWEST_MM_S)
-        return (np.where(limit < asked[path], np.minimum(stepped, asked[path]), asked[path]),)
+        slow = np.flatnonzero(limit < speed)
+        stepped = np.maximum(np.floor(limit[slow] / _STEP_MM_S + 1e-6) * _STEP_MM_S, _SLOWEST_MM_S)
+        speed[slow] = np.minimum(stepped, speed[slow])
+        return (speed,)
 
     return in_chunks(chunk, np.arange(len(length)), path_of_point)[0]
 
