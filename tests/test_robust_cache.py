@@ -126,6 +126,33 @@ def test_memory_is_bounded():
     assert roomy.size == once
 
 
+@pytest.mark.parametrize(
+    "array",
+    [
+        np.array([1.0, np.nan, -0.0]), np.arange(7, dtype=np.uint8), np.arange(200_003) * 0.5, np.zeros((0, 3)),
+        np.arange(12.0).reshape(3, 4).T, np.arange(12.0).reshape(3, 4)[:, ::2], np.array(3.0),
+        np.ones((5, 2), dtype=bool),
+    ],
+)  # fmt: skip
+def test_arrays_are_known_again_and_no_others(array):
+    cache, calls = StageCache(), []
+
+    def stage(given):
+        calls.append(1)
+        return given
+
+    cache.run("a", stage, array)
+    cache.run("a", stage, np.array(array, order="K"))
+    cache.run("a", stage, np.array(array, order="C"))
+    assert len(calls) == 1
+    for place in {0, array.size // 2, array.size - 1} if array.size else ():
+        other = np.array(array, order="K")
+        other.flat[place] = 0 if other.flat[place] else 1
+        cache.run("a", stage, other)
+        cache.run("a", stage, array)
+    assert len(calls) == 1 + 2 * len({0, array.size // 2, array.size - 1} if array.size else ())
+
+
 def test_a_stage_is_run_again_when_a_setting_that_it_read_changes():
     cache, calls = StageCache(), []
 
