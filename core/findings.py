@@ -28,24 +28,30 @@ from .wall_stages import PaintedWall
 
 
 def findings(
-    model: SurfaceModel, wall: PaintedWall, paths: PrintedPaths, seconds: FloatArray, settings: PrintSettings
+    model: SurfaceModel,
+    wall: PaintedWall,
+    paths: PrintedPaths,
+    moves: Moves,
+    seconds: FloatArray,
+    settings: PrintSettings,
 ) -> dict[str, Any]:
     """The report, JSON-ready, with the findings that did not stop the job under `warnings`, one sentence each.
 
     Args:
         model: as given.
         wall: of the first half of the job.
-        paths: of the second one; `seconds` (M,) are those of its M moves.
-        seconds: see `paths`.
+        paths: of the second one.
+        moves: the `stretches` of its moves.
+        seconds: (S,) s that these take.
         settings: as used.
     """
-    mesh, cut, moves = wall.mesh, wall.cut, paths.moves
+    mesh, cut = wall.mesh, wall.cut
     errors, slopes = wall.errors.result(), slope_report(wall.paint.result())
     thin = thin_report(paths.thin.result(), cut)
-    report = _report(model, mesh, cut, moves, settings)
+    report = _report(model, mesh, cut, moves, settings) | {"gcode": {"bytes": 0, "moves": len(paths.moves.tool)}}
     plain = single_color_seconds(paths.single_color.result(), moves, seconds, settings)
     report |= {"time_s": time_report(moves, settings, plain, seconds)}
-    report |= {"filament": filament_report(moves, settings)} | _solid(wall, paths, seconds, settings)
+    report |= {"filament": filament_report(moves, settings)} | _solid(wall, paths, moves, seconds, settings)
     report |= {"pattern": errors.shares(len(wall.samples.arc), at_arcs(wall.visibility, wall.lines, errors.arc))}
     report |= {"slopes": slopes, "thin_features": thin}
     report["warnings"] = [
@@ -62,12 +68,14 @@ def findings(
     return report
 
 
-def _solid(wall: PaintedWall, paths: PrintedPaths, seconds: FloatArray, settings: PrintSettings) -> dict[str, Any]:
+def _solid(
+    wall: PaintedWall, paths: PrintedPaths, moves: Moves, seconds: FloatArray, settings: PrintSettings
+) -> dict[str, Any]:
     """The report's part on solid regions, with what tool changes within layers cost."""
     if wall.outlines.swapped is None:
         return wall.solid
     alike = moves_without_swaps(wall, paths, settings)
-    return {"solid_regions": wall.solid["solid_regions"] | swap_cost(paths.moves, seconds, alike, settings)}
+    return {"solid_regions": wall.solid["solid_regions"] | swap_cost(moves, seconds, alike, settings)}
 
 
 def _warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSettings) -> list[str]:
@@ -77,7 +85,7 @@ def _warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSet
     warnings += open_warnings(cut.open_layers, cut.polygon_layer, cut.layers)
     if len(cut.specks.layer):
         warnings.append(f"outlines smaller than a strand are left out: {len(cut.specks.layer)} in all layers")
-    full = line_widths(lines.layer, settings)[lines.loop]
+    full = line_widths(lines.layer, settings).take(lines.loop)
     thin = float((lines.width < 0.999 * full).mean()) if len(lines.width) else 0.0
     if thin > 0.01:
         warnings.append(f"{thin:.0%} of the outline bounds walls thinner than two lines; they print with thinner lines")
@@ -101,5 +109,4 @@ def _report(
         "bounds_mm": mesh.bounds.tolist(),
         "settings": settings.as_dict(),
         "outline_spans": int((np.diff((moves.feature == Feature.OUTER_WALL).astype(np.int8)) > 0).sum()),
-        "gcode": {"bytes": 0, "moves": len(moves.tool)},
     }

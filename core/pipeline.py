@@ -15,7 +15,7 @@ from .settings import PrintSettings
 from .slicing.slices import Slices
 from .stage_cache import StageCache
 from .stages import Stages
-from .statistics import layer_begins, move_seconds
+from .statistics import layer_begins, move_seconds, stretches
 from .toolpaths.moves import Moves
 from .wall_stages import wall_stages
 
@@ -73,14 +73,14 @@ def steps(
         wall = yield from wall_stages(model, settings, stages)
         paths = yield from path_stages(wall, settings, stages)
         yield stages.begin(0.9, "analysis")
-        seconds = stages.run("time", _seconds, paths.moves, settings)
-        report = findings(model, wall, paths, seconds, settings)
+        summary = stages.run("time", _summary, paths.moves, settings)
+        report = findings(model, wall, paths, *summary, settings)
     report |= stages.ended()
-    begins = layer_begins(paths.moves, seconds)
+    begins = layer_begins(*summary)
     return DualColorPrint(
         settings, model.name, wall.mesh, wall.cut, wall.outlines, paths.moves, begins, report, report["warnings"]
     )
 
 
-def _seconds(moves: Moves, settings: PrintSettings) -> FloatArray:
-    return move_seconds(moves, settings.printer_profile)
+def _summary(moves: Moves, settings: PrintSettings) -> tuple[Moves, FloatArray]:
+    return stretches(moves, move_seconds(moves, settings.printer_profile))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
 
@@ -75,6 +75,27 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
         )
     seconds[1:][moves.tool[1:] != moves.tool[:-1]] += printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
     return seconds
+
+
+def stretches(moves: Moves, seconds: FloatArray) -> tuple[Moves, FloatArray]:
+    """The print in few rows, to add up what it takes: rows in a line of one tool, layer and feature become one.
+
+    Args:
+        moves: the print.
+        seconds: (M,) `move_seconds` of the moves.
+
+    Returns:
+        S rows with the filament that each stretch takes, all else as in its last row; (S,) s that it takes.
+    """
+    begins = np.ones(len(moves.tool), dtype=bool)
+    extrudes = moves.extrudes
+    begins[1:] = extrudes[1:] != extrudes[:-1]
+    for column in (moves.tool, moves.layer, moves.feature):
+        begins[1:] |= column[1:] != column[:-1]
+    first = np.flatnonzero(begins)
+    last = np.append(first[1:], len(begins))[: len(first)] - 1
+    rows = Moves(*(getattr(moves, column.name)[last] for column in fields(Moves)))
+    return replace(rows, filament=np.add.reduceat(moves.filament, first)), np.add.reduceat(seconds, first)
 
 
 def layer_changes(layer: IntArray) -> BoolArray:

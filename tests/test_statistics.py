@@ -4,8 +4,16 @@ import math
 
 import numpy as np
 import pytest
+from dualcolor.core.breakdown import time_report
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics import filament_use, print_time
+from dualcolor.core.statistics import (
+    filament_use,
+    layer_begins,
+    move_seconds,
+    print_time,
+    stretches,
+    tool_change_rows,
+)
 from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TOWER, TRAVEL, rosette, table
 
@@ -153,3 +161,17 @@ def test_filament_use():
     assert use["tool0_g"] == pytest.approx(use["tool0_mm"] * math.pi / 4 * 1.75**2 * 1.1e-3)
     assert use["tool1_g"] == pytest.approx(use["tool1_mm"] * math.pi * 1.1e-3)
     assert (moves.feature == Feature.RETRACT).sum() == 7
+
+
+def test_stretches_add_up_to_the_moves():
+    moves = rosette(3, 40)
+    seconds = move_seconds(moves, SETTINGS.printer_profile)
+    few, taken = stretches(moves, seconds)
+    assert len(few.tool) < len(moves.tool) / 5 and taken.sum() == pytest.approx(seconds.sum())
+    told, whole = (time_report(rows, SETTINGS, 100.0, spent) for rows, spent in ((few, taken), (moves, seconds)))
+    assert told.pop("features") == pytest.approx(whole.pop("features")) and told == pytest.approx(whole)
+    assert filament_use(few, SETTINGS) == pytest.approx(filament_use(moves, SETTINGS))
+    assert layer_begins(few, taken) == pytest.approx(layer_begins(moves, seconds))
+    assert len(tool_change_rows(few)) and taken[tool_change_rows(few)].sum() == pytest.approx(
+        seconds[tool_change_rows(moves)].sum()
+    )
