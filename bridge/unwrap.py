@@ -77,11 +77,12 @@ def smart_project(obj: bpy.types.Object) -> None:
     for other in layer.objects:
         other.select_set(other == obj)
     layer.objects.active = obj
+    former = obj.mode
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.reveal(select=False)
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.uv.smart_project(angle_limit=math.radians(66.0), island_margin=0.002)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.object.mode_set(mode=former)
 
 
 def _check(obj: bpy.types.Object) -> None:

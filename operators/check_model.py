@@ -10,7 +10,7 @@ from ..bridge.model_check import TITLES, Findings, check_steps, repair, select
 from ..bridge.properties import set_findings
 from ..core.progress import Progress, retold
 from .job import JobOperator, Steps
-from .polls import has_mesh
+from .polls import has_mesh, has_own_mesh
 from .viewing import frame_selected
 
 _LINES_OF_A_WALL = 2
@@ -54,7 +54,7 @@ class DUALCOLOR_OT_select_finding(JobOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh in Object Mode is needed."""
-        return has_mesh(cls, context)
+        return has_own_mesh(cls, context)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """Check once more, since the mesh may have changed, and select."""
@@ -85,7 +85,7 @@ class DUALCOLOR_OT_repair_model(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh in Object Mode is needed."""
-        return has_mesh(cls, context)
+        return has_own_mesh(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Repair the active object."""

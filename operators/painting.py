@@ -19,7 +19,7 @@ from ..core.progress import retold
 from ..core.texture.decode import LUMINANCE
 from ..core.texture.grade import Grade
 from .job import JobOperator, Steps
-from .polls import has_mesh
+from .polls import has_own_mesh
 from .viewing import show_pictures
 
 
@@ -38,7 +38,7 @@ class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh in Object or Texture Paint Mode is needed."""
-        return has_mesh(cls, context)
+        return has_own_mesh(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set it up."""
@@ -81,7 +81,7 @@ class DUALCOLOR_OT_grey_from_color(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh with a picture is needed."""
-        if not has_mesh(cls, context):
+        if not has_own_mesh(cls, context):
             return False
         if picture_of(context.object) is None:
             cls.poll_message_set("Choose an image, or give the material an Image Texture, first")
@@ -131,7 +131,7 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh with a UV map is needed."""
-        if not has_mesh(cls, context):
+        if not has_own_mesh(cls, context):
             return False
         if not context.object.data.uv_layers:
             cls.poll_message_set("Unwrap the mesh first")

@@ -7,6 +7,8 @@ import bpy
 from ..bridge.curves import source_of
 from ..bridge.mesh_input import WITH_SURFACE
 
+MAKE_LOCAL = "Make the object and its data local first (Object > Relations)"
+
 
 def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether an object that can be printed, or the strands of one, is active; sets the poll message."""
@@ -27,6 +29,24 @@ def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
         cls.poll_message_set("Leave Edit Mode first")
         return False
     return True
+
+
+def has_own_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the active mesh can be changed: as `has_mesh`, visible, and of this file; sets the poll message."""
+    if not has_mesh(cls, context):
+        return False
+    if is_of_library(context.object):
+        cls.poll_message_set(MAKE_LOCAL)
+        return False
+    if not context.object.visible_get():
+        cls.poll_message_set("Unhide the object first")
+        return False
+    return True
+
+
+def is_of_library(obj: bpy.types.Object) -> bool:
+    """Whether the object or its mesh comes from another file, so that changes would be refused or not be saved."""
+    return any(held is not None and not held.is_editable for held in (obj, obj.data))
 
 
 def in_object_mode(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:

@@ -9,7 +9,7 @@ from ..bridge.bed import bounds_mm, scale_to_height
 from ..bridge.curves import source_of
 from ..bridge.properties import repaint_proof
 from ..bridge.units import mm_per_unit, use_millimetres
-from .polls import has_printable
+from .polls import MAKE_LOCAL, has_printable
 from .viewing import frame_selected
 
 _USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0
@@ -36,6 +36,9 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         """An object with a surface is needed, not in Edit Mode."""
         if not has_printable(cls, context):
+            return False
+        if source_of(context.object).library:
+            cls.poll_message_set(MAKE_LOCAL)
             return False
         if source_of(context.object).mode == "EDIT":
             cls.poll_message_set("Leave Edit Mode first")

@@ -9,7 +9,7 @@ from ..bridge.proof_views import show_as_before, show_materials
 from ..bridge.properties import to_settings
 from ..bridge.soft_proof import hide_proof, is_proofed, proof_notes, show_proof
 from ..core.errors import PrintError
-from .polls import has_mesh
+from .polls import has_own_mesh
 
 
 class DUALCOLOR_OT_soft_proof(bpy.types.Operator):
@@ -23,12 +23,7 @@ its slope can show, striped where it is too flat for tones. Again, the object is
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh of this file is needed, in Object or a painting mode."""
-        if not has_mesh(cls, context):
-            return False
-        if context.object.library:
-            cls.poll_message_set("Make the object local first (Object > Relations)")
-            return False
-        return True
+        return has_own_mesh(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Turn it on or off."""

@@ -12,7 +12,7 @@ from ..bridge.properties import repaint_proof
 from ..bridge.unwrap import smart_project, unwrap_steps
 from ..core.unwrapping import ChartOptions, PackOptions
 from .job import JobOperator, Steps
-from .polls import has_mesh
+from .polls import has_own_mesh
 
 
 @cache
@@ -72,7 +72,7 @@ class DUALCOLOR_OT_unwrap_xatlas(JobOperator, bpy.types.Operator):
         if not has_xatlas():
             cls.poll_message_set("xatlas is not installed; use Smart UV Project")
             return False
-        return has_mesh(cls, context)
+        return has_own_mesh(cls, context)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """Unwrap the active object."""
@@ -97,7 +97,7 @@ class DUALCOLOR_OT_unwrap_smart(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh in Object Mode is needed."""
-        return has_mesh(cls, context)
+        return has_own_mesh(cls, context)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Unwrap the active object."""
