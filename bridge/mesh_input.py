@@ -22,7 +22,8 @@ from .units import mm_per_unit
 WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
 SUPPORT_ATTRIBUTE = "dualcolor_support"
 """Whole number of each face: above 0 it enforces supports, below 0 it blocks them."""
-UNWRAP_HINT = "unwrap it first, or use --unwrap smart"
+NO_FACES_HINT = "choose a mesh with a closed surface; instances need Geometry Nodes' Realize Instances"
+UNWRAP_HINT = "unwrap it first (in Blender: Paint > Smart UV Project; on the command line: --unwrap smart)"
 
 
 def surface_model(
@@ -89,7 +90,7 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
     mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
         if mesh is None or not len(mesh.polygons):
-            raise MeshError(f"{obj.name} has no faces", "choose a mesh with a closed surface")
+            raise MeshError(f"{obj.name} has no faces", NO_FACES_HINT)
         yield mesh
     finally:
         evaluated.to_mesh_clear()

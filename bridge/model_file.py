@@ -12,6 +12,7 @@ from mathutils import Matrix
 
 from ..core.errors import MeshError, PrintError
 from .mesh_input import evaluated_mesh
+from .quiet import quiet_stderr
 from .units import mm_per_unit, use_millimetres
 
 UP_AXIS = {".blend": "z", ".obj": "y", ".stl": "z", ".ply": "z", ".glb": "y", ".gltf": "y"}
@@ -127,7 +128,8 @@ def _read(path: Path, kind: str) -> None:
             bpy.ops.wm.open_mainfile(filepath=name, load_ui=False, use_scripts=False)
             return
         if kind == ".obj":
-            bpy.ops.wm.obj_import(filepath=name, **axes)
+            with quiet_stderr():  # pictures that are missing are told by us
+                bpy.ops.wm.obj_import(filepath=name, **axes)
         elif kind == ".stl":
             bpy.ops.wm.stl_import(filepath=name, **axes)
         elif kind == ".ply":

@@ -104,7 +104,8 @@ def _plates(
 
     paths, files = outputs
     bar, before = progress
-    picture = fitted(image_tone(load_image(image)), plate, auto_contrast=not args.plain_contrast)
+    with quiet_stdout():
+        picture = fitted(image_tone(load_image(image)), plate, auto_contrast=not args.plain_contrast)
     photographs, found, periods = {}, {}, {}
     for number, pattern in enumerate(args.patterns):
         bar.show((before + number / len(args.patterns)) / len(args.images), f"{image.name}, {pattern}")

@@ -85,5 +85,7 @@ class DUALCOLOR_OT_generate(JobOperator, bpy.types.Operator):
         """Print the active object and the other selected ones."""
         result = yield from printed(context, reuse=False)
         if result.warnings:
-            self.report({"WARNING"}, f"{len(result.warnings)} warnings, see the results in the sidebar")
+            count = len(result.warnings)
+            said = "1 warning" if count == 1 else f"{count} warnings"
+            self.report({"WARNING"}, f"{said}, see the results in the sidebar")
         return f"{names_of(result)}: {result.report['layers']} layers"
