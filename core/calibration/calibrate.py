@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from ..model import FloatArray
-from ..pattern.chunks import in_chunks
+from ..pattern.chunks import CHUNK_ROWS
 from ..pattern.contours import POINTS_PER_WAVELENGTH
 from ..settings import PrintSettings
 from .gamut_mapping import image_range, printable_tones
-from .table import ToneTable, read_table
+from .table import ToneTable, read_table, slope_shares
 
 SHIPPED = Path(__file__).resolve().parent.parent.parent / "presets" / "calibration"
-_LEVELS = 512
+# Steps of the table that is looked up: from black to white, and degrees from slope to slope.
+_LEVELS, _SLANT_STEP = 512, 0.25
 _HINT = "measure one with dualcolor measure and dualcolor build-table, or set calibration = none"
 
 
@@ -58,22 +59,18 @@ def shipped_table(settings: PrintSettings) -> ToneTable | None:
 
 
 def _looked_up(ways: FloatArray, slants: FloatArray, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:
-    """(N,) read off between the four nearest entries of the table."""
-    flat = ways.ravel()
-
-    def part(asked: FloatArray, leaning: FloatArray) -> tuple[FloatArray]:
-        across = np.clip(asked, 0.0, 1.0) * _LEVELS
-        column = np.minimum(across.astype(np.int64), _LEVELS - 1)
+    """(N,) read off between the two nearest entries of the row for the nearest slope."""
+    fine = np.arange(slants[0], slants[-1] + _SLANT_STEP, _SLANT_STEP)
+    flat = (slope_shares(slants, fine) @ ways).ravel()
+    rise = np.diff(flat, append=flat[-1])
+    printed = np.empty_like(tone)
+    for begin in range(0, len(tone), CHUNK_ROWS):
+        part = slice(begin, begin + CHUNK_ROWS)
+        across = np.clip(tone[part], 0.0, 1.0) * _LEVELS
+        column = across.astype(np.int64)
         across -= column
-        if len(slants) == 1:
-            return (flat[column] * (1 - across) + flat[column + 1] * across,)
-        up = np.interp(leaning, slants, np.arange(len(slants)))
-        row = np.minimum(up.astype(np.int64), len(slants) - 2)
-        up -= row
-        at = row * (_LEVELS + 1) + column
-        low = flat[at] * (1 - across) + flat[at + 1] * across
-        at += _LEVELS + 1
-        high = flat[at] * (1 - across) + flat[at + 1] * across
-        return (low * (1 - up) + high * up,)
-
-    return in_chunks(part, tone, slant_deg)[0]
+        row = np.clip((slant_deg[part] - slants[0]) * (1 / _SLANT_STEP) + 0.5, 0.0, len(fine) - 1.0)
+        column += row.astype(np.int64) * ways.shape[1]
+        across *= rise.take(column)
+        np.add(across, flat.take(column), out=printed[part])
+    return printed

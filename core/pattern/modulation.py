@@ -25,11 +25,13 @@ def shape(tone: FloatArray, is_black: BoolArray, settings: PrintSettings) -> tup
     Returns:
         (N,) depth in mm, peak to peak, and (N,) set-back in mm.
     """
-    attenuation = np.clip(np.where(is_black, 2.0, -2.0) * (tone - 0.5), 0.0, 1.0)
+    attenuation = 2.0 * tone - 1.0
+    np.negative(attenuation, out=attenuation, where=~is_black)
+    np.clip(attenuation, 0.0, 1.0, out=attenuation)
     onset = settings.offset_onset
     set_back = np.maximum(attenuation - onset, 0.0) * (settings.offset_max / (1.0 - onset))
     if settings.pattern == "offset":
-        return np.zeros_like(tone), set_back
+        return np.zeros(tone.shape), set_back
     depth = settings.wave_depth_max - attenuation * (settings.wave_depth_max - settings.wave_depth_min)
     return depth, np.zeros_like(tone) if settings.pattern == "wave" else set_back
 

@@ -42,10 +42,10 @@ def widened(lines: Contours, printed: FloatArray, set_back: FloatArray, settings
     black = np.flatnonzero(printed[deep] > 0.5)  # only then does a black line step back
     segment, rises = segment[black], rises[black]
     shallow, wide = np.where(rises, segment, after[segment]), set_back.copy()
-    length = np.hypot(*(lines.points.take(after[segment], axis=0) - lines.points.take(segment, axis=0)).T)
-    ahead = _ahead(lines.width[shallow] / 2, np.abs(step[segment]), length)
-    np.maximum.at(wide, shallow, set_back[shallow] + ahead)
-    return np.minimum(wide, np.maximum(lines.room_inside, set_back))
+    ahead = _ahead(lines.width[shallow] / 2, np.abs(step[segment]), lines.step[segment])
+    back = set_back[shallow]
+    np.maximum.at(wide, shallow, np.minimum(back + ahead, np.maximum(lines.room_inside[shallow], back)))
+    return wide
 
 
 def _ahead(radius: FloatArray, step: FloatArray, length: FloatArray) -> FloatArray:
