@@ -9,6 +9,7 @@ from .islands import LabelImage
 from .pyramid import Picture, TexturePyramids
 
 _CHUNK_POINTS = 1 << 14  # a chunk's intermediate arrays stay in the cache
+_HALF = np.float32(0.5)
 _NO_WEIGHT = 1e-6  # taps that weigh less in all say nothing
 
 
@@ -30,28 +31,25 @@ def tone_at(
     Returns:
         (N,) 0 to 1.
     """
-    tone = np.where(np.isfinite(vertex_tone), vertex_tone, background_tone)
-    if not any(picture.levels for picture in pyramids.pictures):
-        return tone
-    texture = pyramids.face_texture.take(face)
-    u, v = (np.ascontiguousarray(column) for column in uv.T)
+    tone = np.full(len(face), background_tone)
+    np.copyto(tone, vertex_tone, where=np.isfinite(vertex_tone))
+    finest = pyramids.face_level.astype(np.int8)
     for number, picture in enumerate(pyramids.pictures):
-        points = np.flatnonzero(texture == number)
-        level = pyramids.face_level.take(face.take(points))
-        finer = level.astype(np.int8)
-        order = np.argsort(finer, kind="stable")  # neighbours stay neighbours
-        end = 0
-        for finest in range(int(finer.max(initial=-1)) + 1):
-            begin, end = end, end + np.count_nonzero(finer == finest)
-            chosen = order[begin:end]
-            part = points.take(chosen)
-            x, y = _within(picture, u.take(part)) * picture.width, _within(picture, v.take(part)) * picture.height
+        if not picture.levels:
+            continue
+        finer = np.where(pyramids.face_texture == number, finest, np.int8(-1)).take(face)
+        for level in range(int(finer.max(initial=-1)) + 1):
+            points = np.flatnonzero(finer == level)
+            on = face.take(points)
+            x, y = (_within(picture, along.take(points)) for along in uv.T)
+            x, y = x * picture.width, y * picture.height
             if pyramids.texture_filter == "lanczos":
                 paint, alpha = _nearest(picture, x, y)
             else:
-                island = pyramids.face_island.take(face.take(part))
-                paint, alpha = _trilinear(picture, finest, x, y, island, level.take(chosen) - finest)
-            tone[part] = paint if alpha is None else paint + (1.0 - alpha) * background_tone
+                share = (pyramids.face_level.take(on) - level).astype(np.float32)
+                island = pyramids.face_island.take(on)
+                paint, alpha = _trilinear(picture, level, x.astype(np.float32), y.astype(np.float32), island, share)
+            tone[points] = paint if alpha is None else paint + (1.0 - alpha) * background_tone
     return np.clip(tone, 0.0, 1.0, out=tone)
 
 
@@ -70,7 +68,7 @@ def _nearest(picture: Picture, x: FloatArray, y: FloatArray) -> tuple[Float32Arr
 
 
 def _trilinear(
-    picture: Picture, finer: int, x: FloatArray, y: FloatArray, island: LabelImage, share: FloatArray
+    picture: Picture, finer: int, x: Float32Array, y: Float32Array, island: LabelImage, share: Float32Array
 ) -> tuple[Float32Array, Float32Array | None]:
     """Paint and alpha (n,) between the level `finer` and the next one, of which each point has a share (n,)."""
     paint, known = np.empty(len(x), dtype=np.float32), np.empty(len(x), dtype=bool)
@@ -96,17 +94,20 @@ def _trilinear(
 
 
 def _within_island(
-    picture: Picture, number: int, x: FloatArray, y: FloatArray, island: LabelImage
+    picture: Picture, number: int, x: Float32Array, y: Float32Array, island: LabelImage
 ) -> tuple[list[Float32Array], BoolArray]:
     """Paint and, if there is any, alpha (n,) from the four texels around each point.
 
     And whether (n,) the island covers all four of them; elsewhere the answers say nothing.
     """
-    level, scale = picture.levels[number], 0.5**number
-    x, y = x * scale - 0.5, y * scale - 0.5
-    left, below = np.floor(x), np.floor(y)
-    right_share, upper_share = (x - left).astype(np.float32), (y - below).astype(np.float32)
-    corner = (below * level.width + left).astype(np.int64)
+    level, scale = picture.levels[number], np.float32(0.5**number)
+    right_share, upper_share = x * scale - _HALF, y * scale - _HALF
+    left, below = np.floor(right_share), np.floor(upper_share)
+    right_share -= left
+    upper_share -= below
+    corner = below.astype(np.int64)
+    corner *= level.width
+    corner += left.astype(np.int64)
     # What lies before the first texel wraps to one at the end of a row, and those are never uniform.
     known = level.uniform.take(corner, mode="wrap") & (level.island.take(corner, mode="wrap") == island)
     answers = []
@@ -119,7 +120,7 @@ def _within_island(
     return answers, known
 
 
-def _mixed(first: Float32Array, second: Float32Array, share: FloatArray | Float32Array) -> Float32Array:
+def _mixed(first: Float32Array, second: Float32Array, share: Float32Array) -> Float32Array:
     """(n,) from the first to the second, which is overwritten."""
     second -= first
     second *= share
@@ -128,7 +129,7 @@ def _mixed(first: Float32Array, second: Float32Array, share: FloatArray | Float3
 
 
 def _near_borders(
-    picture: Picture, finer: int, x: FloatArray, y: FloatArray, island: LabelImage, share: FloatArray
+    picture: Picture, finer: int, x: Float32Array, y: Float32Array, island: LabelImage, share: Float32Array
 ) -> tuple[Float32Array, Float32Array]:
     """Paint and alpha (n,) as `_trilinear`, where other islands are near.
 
@@ -146,23 +147,24 @@ def _near_borders(
     if finer + 1 < len(picture.levels):
         coarse_paint, coarse_alpha, known = _bilinear(picture, finer + 1, x, y, island)
         known[lost] = False
-        share = np.where(known, share, 0.0).astype(np.float32)
+        share = share * known
         paint += share * (coarse_paint - paint)
         alpha += share * (coarse_alpha - alpha)
     return paint, alpha
 
 
 def _bilinear(
-    picture: Picture, number: int, x: FloatArray, y: FloatArray, island: LabelImage | None
+    picture: Picture, number: int, x: Float32Array, y: Float32Array, island: LabelImage | None
 ) -> tuple[Float32Array, Float32Array, BoolArray]:
     """Paint and alpha (n,) from the four texels around each point, and the points (n,) whose island they know.
 
     Texels count by how much of them the island covers; with `island` None all count alike.
     """
-    level, scale = picture.levels[number], 0.5**number
-    x, y = x * scale - 0.5, y * scale - 0.5
-    left, below = np.floor(x), np.floor(y)
-    right_share, upper_share = (x - left).astype(np.float32), (y - below).astype(np.float32)
+    level, scale = picture.levels[number], np.float32(0.5**number)
+    right_share, upper_share = x * scale - _HALF, y * scale - _HALF
+    left, below = np.floor(right_share), np.floor(upper_share)
+    right_share -= left
+    upper_share -= below
     columns = _neighbours(left, level.width, picture.repeats)
     rows = _neighbours(below, level.height, picture.repeats)
     paint, alpha, weight = np.zeros((3, len(x)), dtype=np.float32)
@@ -183,7 +185,7 @@ def _bilinear(
     return paint / divisor, known.astype(np.float32) if level.alpha is None else alpha / divisor, known
 
 
-def _neighbours(first: FloatArray, count: int, repeats: bool) -> tuple[IntArray, IntArray]:
+def _neighbours(first: Float32Array, count: int, repeats: bool) -> tuple[IntArray, IntArray]:
     """Texel numbers `first` (-1 to count - 1) and the next, those beyond 0 to count - 1 wrapped or at the border."""
     low, high = first.astype(np.int64), first.astype(np.int64) + 1
     low[low < 0] = count - 1 if repeats else 0
