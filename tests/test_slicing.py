@@ -300,11 +300,17 @@ def test_each_cut_goes_on_where_it_ends_also_among_solids_that_touch(inward):
 
 def test_edges_of_a_mesh_too_large_to_sort_with_its_numbers_are_paired_alike():
     faces = triangulate(lathe([[10, 0], [6, 7], [9, 16]]), KEEP).faces
-    level = np.arange(faces.max() + 1) % 7
-    with_many_more = np.zeros(1 << 29, dtype=np.int8)  # memory that is not touched is not taken
-    with_many_more[: len(level)] = level
-    beyond = faces_beyond(faces, level)
-    assert (beyond >= 0).any() and np.array_equal(faces_beyond(faces, with_many_more), beyond)
+    levels = (np.arange(faces.max() + 1, dtype=np.int32) % 7)[faces]
+    beyond = faces_beyond(faces, levels, int(faces.max()) + 1)
+    assert (beyond >= 0).any() and np.array_equal(faces_beyond(faces, levels, 1 << 29), beyond)
+
+
+def test_a_mesh_of_which_few_faces_are_cut_is_sliced_like_those_faces_alone():
+    """Rings of faces between the planes are left out before anything else is asked about them."""
+    heights = np.concatenate([[0.0], np.linspace(0.13, 0.37, 40), np.linspace(0.38, 0.62, 40), [1.0]])
+    fine, coarse = (cut(lathe(np.column_stack([np.full(len(z), 9.0), z]))) for z in (heights, heights[[0, -1]]))
+    assert areas(fine) == pytest.approx(areas(coarse))
+    assert np.array_equal(fine.outlines.start, coarse.outlines.start)
 
 
 def test_segments_are_known_again_either_way_round_but_not_among_equal_ones():

@@ -10,7 +10,7 @@ from ..model import IntArray
 from .outlines import starts
 
 _MANY = 1 << 14
-_STRIDE = 4  # steps until those that have arrived are sorted out
+_STRIDE = 8  # steps until those that have arrived are sorted out
 _SCATTER = 0x9E3779B1  # odd, with bits all over, so that rulers do not follow the layers and faces
 
 
@@ -23,8 +23,8 @@ class _Walks:
         following: (R,) number of the ruler that each comes to.
         length: (R,) steps.
         least: (R,) member of those passed, the ruler included.
-        strides: for every four steps, the first to the fourth, the fifth to the eighth and so on: numbers (n,) of the
-            rulers still on their way, and (4, n) the members passed, no less than S for who has arrived.
+        strides: for every eight steps, the first to the eighth, the ninth on and so forth: numbers (n,) of the
+            rulers still on their way, and (8, n) the members passed, no less than S for who has arrived.
     """
 
     ruler: IntArray

@@ -11,7 +11,7 @@ from ..model import IntArray
 from ..pattern.chunks import in_chunks
 
 
-def faces_beyond(faces: IntArray, level: NDArray[np.int32]) -> IntArray:
+def faces_beyond(faces: IntArray, levels: NDArray[np.int32], vertices: int) -> IntArray:
     """The face across each edge that leads up, seen from its own face.
 
     An edge is a corner 3 f + k: it leads from corner k of face f to the next one. The edge that leads up in one face
@@ -19,25 +19,24 @@ def faces_beyond(faces: IntArray, level: NDArray[np.int32]) -> IntArray:
 
     Args:
         faces: (F, 3) vertices.
-        level: (V,) how many planes lie at each vertex or below it.
+        levels: (F, 3) how many planes lie at each corner or below it.
+        vertices: how many there are.
 
     Returns:
         (3F,) the face beyond each edge, -1 where there is none and for all edges that do not lead up past a plane.
     """
-    vertices = len(level)
 
-    def chunk(faces: IntArray, edge: IntArray) -> tuple[IntArray, ...]:
+    def chunk(faces: IntArray, levels: NDArray[np.int32], edge: IntArray) -> tuple[IntArray, ...]:
         """Numbers that faces share of the edges of some faces that lead up, these edges, and likewise down."""
-        start, here = faces.ravel(), level.take(faces.ravel())
+        start, here, edges = faces.ravel(), levels.ravel(), edge.ravel()
         end, there = _of_next_corner(start), _of_next_corner(here)
         up, down = np.flatnonzero(here < there), np.flatnonzero(here > there)
-        edges = edge.ravel()
         return (
             start.take(up) * vertices + end.take(up), edges.take(up),
             end.take(down) * vertices + start.take(down), edges.take(down),
         )  # fmt: skip
 
-    up_key, up, down_key, down = in_chunks(chunk, faces, np.arange(faces.size).reshape(-1, 3))
+    up_key, up, down_key, down = in_chunks(chunk, faces, levels, np.arange(faces.size).reshape(-1, 3))
     up_key, up = _sorted(up_key, up, vertices)
     down_key, down = _sorted(down_key, down, vertices)
     beyond = np.full(faces.size, -1, dtype=np.int64)

@@ -12,7 +12,7 @@ from ..model import FloatArray, IntArray, TriangleMesh
 from ..pattern.chunks import in_chunks
 from ..texture.islands import complex_uv
 from .edges import faces_beyond
-from .outlines import ranges, starts
+from .outlines import starts
 
 _BEFORE = np.array([2, 0, 1])  # the corner before each one of a face
 
@@ -56,6 +56,7 @@ class Crossings:
         planes: (L,) mm, increasing.
         first: (K,) int64, the lowest layer of each span.
         end: (K,) int64, the layer above the span.
+        faces: (R,) int64, the only ones that are counted by what follows, None for all.
         tail: (K,) int64, the edge that the cuts start on, see `Segments`.
         head: (K,) int64, the edge that they end on.
         beyond: (K,) int64, the face on the other side of that edge, -1 for none.
@@ -65,6 +66,7 @@ class Crossings:
     planes: FloatArray
     first: IntArray
     end: IntArray
+    faces: IntArray | None
     tail: IntArray
     head: IntArray
     beyond: IntArray
@@ -73,23 +75,26 @@ class Crossings:
         """What is cut by the layers from `low` to the one before `high`."""
         some = np.flatnonzero((self.first < high) & (self.end > low))
         first, end = np.maximum(self.first[some], low), np.minimum(self.end[some], high)
-        return Crossings(self.mesh, self.planes, first, end, self.tail[some], self.head[some], self.beyond[some])
+        edges = (column[some] for column in (self.tail, self.head, self.beyond))
+        return Crossings(self.mesh, self.planes, first, end, self.faces, *edges)
 
     def segments(self) -> Segments:
         """The cuts, face by face and upwards in each."""
         count = self.end - self.first
         # The cuts of a face stand in a row, so the one that goes on is found by the face beyond and the layer.
-        base = np.zeros(len(self.mesh.faces), dtype=np.int64)
-        base[self.tail // 3] = starts(count)[:-1] - self.first
+        face, begin = self.tail // 3, starts(count)[:-1] - self.first
+        base = np.zeros(len(self.mesh.faces if self.faces is None else self.faces), dtype=np.int64)
+        base[face] = begin
         going_on = np.where(self.beyond < 0, -1 - len(self.planes), base.take(self.beyond))
-        layer = ranges(self.first, count)
+        layer = np.repeat(-begin, count)
+        layer += np.arange(len(layer))
         successor = np.repeat(going_on, count)
         successor += layer
         if (self.beyond < 0).any():
             np.maximum(successor, -1, out=successor)
-        return Segments(
-            self.mesh, self.planes, layer, np.repeat(self.tail, count), np.repeat(self.head, count), successor
-        )
+        shift = 0 if self.faces is None else 3 * (self.faces.take(face) - face)
+        tail, head = (np.repeat(edge + shift, count) for edge in (self.tail, self.head))
+        return Segments(self.mesh, self.planes, layer, tail, head, successor)
 
 
 def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
@@ -103,30 +108,36 @@ def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
         mesh: F faces.
         planes: (L,) mm, increasing.
     """
-    level = np.searchsorted(planes, mesh.vertices[:, 2], side="right").astype(np.int32)
+    level = np.searchsorted(planes, mesh.vertices[:, 2].copy(), side="right").astype(np.int32)
+    (levels,) = in_chunks(lambda faces: (np.asarray(level.take(faces)),), mesh.faces)
+    faces, some = mesh.faces, np.flatnonzero((levels[:, 0] != levels[:, 1]) | (levels[:, 1] != levels[:, 2]))
+    few = len(some) < len(faces) / 2
+    if few:
+        faces, levels = faces.take(some, axis=0), levels.take(some, axis=0)
 
-    def chunk(faces: IntArray, number: IntArray) -> tuple[IntArray, ...]:
+    def chunk(levels: NDArray[np.int32], row: IntArray) -> tuple[IntArray, ...]:
         """First and end layer, tail and head of the spans of some faces."""
         # Three sorted by hand, with the number of the corner in the last bits.
-        a, b, c = (4 * level.take(faces[:, k]) + k for k in range(3))
+        a, b, c = (4 * levels[:, k] + k for k in range(3))
         a, b = np.minimum(a, b), np.maximum(a, b)
         lowest, middle, highest = np.minimum(a, c), np.maximum(a, np.minimum(b, c)) >> 2, np.maximum(b, c)
         # Below its middle corner a face is cut around its lowest one, above it around its highest one. A cut starts on
         # the edge that leads down and ends on the one that leads up.
         low, high = lowest & 3, highest & 3
         first, end = _alternating(lowest >> 2, middle), _alternating(middle, highest >> 2)
-        tail = _alternating(3 * number + _BEFORE.take(low), 3 * number + high)
-        head = _alternating(3 * number + low, 3 * number + _BEFORE.take(high))
-        some = np.flatnonzero(first < end)
-        return first.take(some), end.take(some), tail.take(some), head.take(some)
+        tail = _alternating(3 * row + _BEFORE.take(low), 3 * row + high)
+        head = _alternating(3 * row + low, 3 * row + _BEFORE.take(high))
+        there = np.flatnonzero(first < end)
+        return first.take(there), end.take(there), tail.take(there), head.take(there)
 
-    first, end, tail, head = in_chunks(chunk, mesh.faces, np.arange(len(mesh.faces)))
-    return Crossings(mesh, planes, first, end, tail, head, faces_beyond(mesh.faces, level).take(head))
+    first, end, tail, head = in_chunks(chunk, levels, np.arange(len(faces)))
+    beyond = faces_beyond(faces, levels, len(mesh.vertices)).take(head)
+    return Crossings(mesh, planes, first, end, some if few else None, tail, head, beyond)
 
 
 def _alternating(one: IntArray, other: IntArray) -> IntArray:
     """(2N,) one of the first, one of the second and so on."""
-    both = np.empty(2 * len(one), dtype=np.int64)
+    both = np.empty(2 * len(one), dtype=one.dtype)
     both[0::2], both[1::2] = one, other
     return both
 
