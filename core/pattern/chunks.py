@@ -17,7 +17,10 @@ Result = TypeVar("Result")
 
 
 def in_chunks(
-    function: Callable[..., tuple[NDArray[Any], ...]], *columns: NDArray[Any], rows: int = CHUNK_ROWS
+    function: Callable[..., tuple[NDArray[Any], ...]],
+    *columns: NDArray[Any],
+    rows: int = CHUNK_ROWS,
+    threads: bool = True,
 ) -> tuple[NDArray[Any], ...]:
     """Apply a function to equal slices of several arrays in threads and put its results together again.
 
@@ -25,6 +28,7 @@ def in_chunks(
         function: from slices of the columns to a tuple of arrays, whose rows must not depend on other slices.
         columns: arrays of one length.
         rows: of a slice, at most about this many.
+        threads: False where other work goes on beside this, whose threads would only wait for each other.
 
     Returns:
         The tuple that `function(*columns)` would have given.
@@ -33,7 +37,7 @@ def in_chunks(
     if parts <= 1:
         return function(*columns)
     pieces = zip(*(np.array_split(column, parts) for column in columns), strict=True)
-    results = in_threads(lambda piece: function(*piece), pieces)
+    results = in_threads(lambda piece: function(*piece), pieces) if threads else [function(*each) for each in pieces]
     return tuple(np.concatenate(part) for part in zip(*results, strict=True))
 
 

@@ -163,9 +163,9 @@ def interpolated(ends: FloatArray, share: FloatArray) -> FloatArray:
 
 def sums(values: FloatArray, start: IntArray) -> FloatArray:
     """(M,) sum of the values of each group; 0 for an empty one."""
-    total = np.concatenate([[0.0], np.cumsum(values)])
     if len(values) and (np.diff(start) > 0).all():
         return np.add.reduceat(values, start[:-1])
+    total = np.concatenate([[0.0], np.cumsum(values)])
     return np.asarray(total[start[1:]] - total[start[:-1]])
 
 

@@ -74,7 +74,7 @@ def _extrusions(
     point[before] = np.repeat(paths.start[:-1], approach)
     # Axis by axis in memory, as it is read by those who come after.
     position = np.empty((3, total)).T
-    position[:, 0], position[:, 1] = paths.points[:, 0].take(point), paths.points[:, 1].take(point)
+    position[:, :2] = paths.points.take(point, axis=0)
     position[:, 2] = np.repeat(layers.top[paths.layer], rows)
     point -= 1  # the point that the line leaves
 

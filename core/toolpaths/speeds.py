@@ -49,27 +49,29 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
     asked = feature_speeds(settings)[paths.feature]
     asked = np.where(paths.layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
     height = layers.height[paths.layer]
-    travelled = np.concatenate([[0.0], np.cumsum(length)])
+    travelled = np.zeros(len(length) + 1)
+    np.cumsum(length, out=travelled[1:])
     queue, seconds = settings.printer_profile.queue_moves, settings.min_move_time / 1000
-    path_of_point = np.repeat(np.arange(len(paths.layer)), np.diff(paths.start))
+    count = np.diff(paths.start)
 
-    def chunk(chord: IntArray, path: IntArray) -> tuple[FloatArray]:
-        """The speeds of some chords that follow each other."""
-        speed = asked[path]
+    def chunk(chord: IntArray, path: IntArray, own: FloatArray, wanted: FloatArray) -> tuple[FloatArray]:
+        """The speeds of some chords that follow each other, by their lengths and the speeds asked for."""
         limit = curve_limit(paths, length, chord, settings.max_curve_acceleration)
         # A chord that takes its time at the speed asked for is never a burden, whatever its neighbours are.
-        short = np.flatnonzero(length[chord] < speed * seconds)
+        short = np.flatnonzero(own < wanted * seconds)
         rate = move_time_limit(paths, travelled, chord[short], path[short], seconds, queue)
         limit[short] = np.minimum(limit[short], rate)
         if settings.max_volumetric_speed > 0:
             section = paths.width[chord] * height[path] * settings.extrusion_multiplier
             limit = np.minimum(limit, settings.max_volumetric_speed / np.maximum(section, _SHORTEST_MM))
-        slow = np.flatnonzero(limit < speed)
+        slow = np.flatnonzero(limit < wanted)
+        speed = wanted.copy()
         stepped = np.maximum(np.floor(limit[slow] / _STEP_MM_S + 1e-6) * _STEP_MM_S, _SLOWEST_MM_S)
-        speed[slow] = np.minimum(stepped, speed[slow])
+        speed[slow] = np.minimum(stepped, wanted[slow])
         return (speed,)
 
-    return in_chunks(chunk, np.arange(len(length)), path_of_point)[0]
+    path_of_point, asked_of_point = np.repeat(np.arange(len(count)), count), np.repeat(asked, count)
+    return in_chunks(chunk, np.arange(len(length)), path_of_point, length, asked_of_point, threads=False)[0]
 
 
 def feature_speeds(settings: PrintSettings) -> FloatArray:
@@ -88,13 +90,13 @@ def chord_lengths(paths: OrderedPaths) -> FloatArray:
     """(N,) mm from each point to the next one of its path, 0 at the last."""
     length = np.zeros(len(paths.points))
     if len(length) > 1:
-        (length[:-1],) = in_chunks(_distances, paths.points[:-1], paths.points[1:])
+        (length[:-1],) = in_chunks(_distances, paths.points[:-1], paths.points[1:], threads=False)
     length[paths.start[1:] - 1] = 0.0
     return length
 
 
 def _distances(near: FloatArray, far: FloatArray) -> tuple[FloatArray]:
-    x, y = (far - near).T
+    x, y = np.subtract(far.T, near.T, order="C")
     return (np.sqrt(x * x + y * y),)
 
 
@@ -114,16 +116,18 @@ def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, accele
     begin, end = int(chord[0]) - 1, int(chord[-1]) + 2
     inside = slice(max(begin, 0), min(end, len(length) - 1))
     corner = np.full(end - begin, np.inf)
-    x, y = np.diff(paths.points[inside.start : inside.stop + 1], axis=0).T
+    around = paths.points[inside.start : inside.stop + 1].T
+    x, y = np.subtract(around[:, 1:], around[:, :-1], order="C")
     way = length[inside]
     dot = x[:-1] * x[1:] + y[:-1] * y[1:]
     cross = x[:-1] * y[1:] - y[:-1] * x[1:]
-    turn = np.abs(np.arctan2(cross, dot))
+    turn = np.abs(np.arctan2(cross, dot, out=dot), out=dot)
     # A path's ends have no turn: they lie at rest or meet another path.
-    turn[(way[:-1] < _SHORTEST_MM) | (way[1:] < _SHORTEST_MM)] = 0.0
-    mean = (way[:-1] + way[1:]) / 2
+    turn[np.minimum(way[:-1], way[1:]) < _SHORTEST_MM] = 0.0
+    tightness = np.maximum(turn, _STRAIGHT, out=turn)
+    np.divide(acceleration / 2 * (way[:-1] + way[1:]), tightness, out=tightness)
     first = inside.start - begin
-    corner[first : first + len(turn)] = np.sqrt(acceleration * mean / np.maximum(turn, _STRAIGHT))
+    corner[first : first + len(turn)] = np.sqrt(tightness, out=tightness)
     return np.asarray(np.minimum(corner[: len(chord)], corner[1 : len(chord) + 1]))
 
 
