@@ -232,7 +232,10 @@ def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_p
         ]  # fmt: skip
         shown = "area_of('IMAGE_EDITOR')[1].spaces.active.image.name"
         assert user.until(shown) == render.name
-        user.front("Blender Render")
-        user.shot(kept / "render.png", (100, 40, 1060, 700), colours=32)
+        user.front("Blender Render", (720, 720))
+        user.move(400, 420)
+        user.keys("shift+Home")  # all of the picture
+        brightness(user, (105, 410), lambda seen: seen > 120)  # the studio: before it is drawn the main window is seen
+        user.shot(kept / "render.png", (40, 40, 760, 760), colours=32)
     finally:
         user.close()

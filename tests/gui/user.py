@@ -135,10 +135,11 @@ class User(Window):
         left, top, right, bottom = self.region("VIEW_3D", "UI")
         return left + across * (right - left), top + down * (bottom - top)
 
-    def front(self, title: str) -> None:
+    def front(self, title: str, size: tuple[int, int] | None = None) -> None:
         """Move a window to where all of it is seen; without a window manager it opens half above the screen."""
-        self._do("search", "--sync", "--onlyvisible", "--name", title, "windowmove", 40, 40, "windowraise",
-                 "sleep", 0.5)  # fmt: skip
+        sized = ("windowsize", "%1", *size) if size else ()
+        self._do("search", "--sync", "--onlyvisible", "--name", title, *sized, "windowmove", "%1", 40, 40,
+                 "windowraise", "%1", "sleep", 0.5)  # fmt: skip
 
     def put_away(self, title: str) -> None:
         """Move a window out of the way; there is no window manager that could close it."""
