@@ -9,7 +9,6 @@ from itertools import pairwise
 import numpy as np
 
 from ..model import FloatArray, IntArray
-from ..pattern.chunks import in_threads
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word
@@ -94,10 +93,10 @@ def _body(lines: Lines, axes: Sequence[str], places: IntArray, texts: list[bytes
     marked = distinct[distinct > 0] - 1
     tables = _tables(lines, axes)
     chunks = [slice(row, min(row + _CHUNK_ROWS, count)) for row in range(0, count, _CHUNK_ROWS)]
-    rendered = in_threads(lambda rows: _rendered(lines, tables, marked, rows), chunks)
     waiting = iter(inserted)
     pieces = [next(waiting)] if len(distinct) and distinct[0] == 0 else []
-    for first_piece, *others in rendered:
+    for rows in chunks:  # threads would only wait for each other: half of it is done by Python's own bytes
+        first_piece, *others = _rendered(lines, tables, marked, rows)
         pieces.append(first_piece)
         for piece in others:
             pieces += [next(waiting), piece]
