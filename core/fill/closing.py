@@ -14,7 +14,7 @@ from ..slicing.regions import layer_regions
 from .bridges import Bridges, bridges
 from .parallel import Shapes
 from .skins import Skins, skins
-from .walls import offset, simplified
+from .walls import offset_outlines, simplified
 
 _COVER_MM = 0.05  # outlines differ by this from the true ones, to see what covers what
 
@@ -48,7 +48,7 @@ def closing(polygons: Shapes, polygon_layer: IntArray, layers: int, settings: Pr
     simple = simplified(polygons, _COVER_MM)
     width = line_widths(polygon_layer, settings)
     walls = (settings.perimeters + 1 - settings.infill_overlap / 100.0) * width
-    inside = offset(simple, -(walls + _least_reach(polygon_layer, settings)))
+    inside = offset_outlines(simple, -(walls + _least_reach(polygon_layer, settings)))
     return closed(inside, polygon_layer, _layers_of(simple, polygon_layer, layers), settings)
 
 
@@ -69,7 +69,8 @@ def _layers_of(shapes: Shapes, layer: IntArray, layers: int) -> Shapes:
     parts, owner = shapely.get_parts(shapes, return_index=True)
     some = ~shapely.is_empty(parts)
     outlines = layer_regions(parts[some], layer[owner[some]], layers)
-    crossing = ~shapely.is_valid(outlines)
+    several = np.flatnonzero(np.bincount(layer[owner[some]], minlength=layers) > 1)
+    crossing = several[~shapely.is_valid(outlines[several])]
     outlines[crossing] = shapely.buffer(outlines[crossing], 0)
     return outlines
 
