@@ -158,6 +158,14 @@ class TriangleMesh:
         normal.flags.writeable = False
         return normal
 
+    @cached_property
+    def face_area(self) -> FloatArray:
+        """(F,) mm², of each face; not to be written to."""
+        x, y, z = self.area_normals.T
+        area: FloatArray = np.sqrt(x * x + y * y + z * z) / 2
+        area.flags.writeable = False
+        return area
+
     def bounds_of(self, number: int) -> FloatArray:
         """(2, 3) mm, the least and the greatest corner of one object on the plate."""
         if self.face_object is None:

@@ -31,12 +31,26 @@ class FaceContrast:
         area: (F,) mm².
         contrast: (F,) mm², the distance of the tone from the mean tone of the whole surface, integrated over the face;
             of many faces of a few square millimetres some stand for their neighbours too, which have none then.
-        normal: (F, 3) unit vectors outwards, zero on faces without an area.
+        area_normal: (F, 3) mm², outwards, twice as long as the area is large.
     """
 
     area: FloatArray
     contrast: FloatArray
-    normal: FloatArray
+    area_normal: FloatArray
+
+    @property
+    def normal(self) -> FloatArray:
+        """(F, 3) unit vectors outwards, zero on faces without an area."""
+        return np.asarray(self.area_normal / self._length[:, None])
+
+    @property
+    def lean(self) -> FloatArray:
+        """(F,) how far the unit vectors point up, -1 to 1."""
+        return np.asarray(self.area_normal[:, 2] / self._length)
+
+    @property
+    def _length(self) -> FloatArray:
+        return np.maximum(2 * self.area, 1e-12)
 
     @property
     def mean(self) -> float:
@@ -53,16 +67,14 @@ def face_contrast(mesh: TriangleMesh, pyramids: TexturePyramids, settings: Print
         pyramids: its textures, filtered as the print filters them.
         settings: background_tone is used.
     """
-    doubled = np.sqrt(np.einsum("fi,fi->f", mesh.area_normals, mesh.area_normals))
-    normal = mesh.area_normals / np.maximum(doubled, 1e-12)[:, None]
-    area = doubled / 2
+    area = mesh.face_area
     face, share, weight = _places(mesh, area)
     uv = np.einsum("qc,qcd->qd", share, mesh.face_uv.take(face, axis=0))
     vertex_tone = np.einsum("qc,qc->q", share, mesh.face_tone.take(face, axis=0))
     tone = tone_at(pyramids, face, uv, vertex_tone, settings.background_tone)
     mean = float((weight * tone).sum() / max(weight.sum(), 1e-12))
     contrast = np.asarray(np.bincount(face, weight * np.abs(tone - mean), len(area)), dtype=np.float64)
-    return FaceContrast(area, contrast, normal)
+    return FaceContrast(area, contrast, mesh.area_normals)
 
 
 def _places(mesh: TriangleMesh, area: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -75,7 +87,7 @@ def _places(mesh: TriangleMesh, area: FloatArray) -> tuple[IntArray, FloatArray,
     weight = area[small]
     if len(small) > _LEAST_PLACES:
         each = max(min(most, float(weight.sum()) / _LEAST_PLACES), 1e-12)
-        weight = np.diff(np.cumsum(weight) // each, prepend=0) * each
+        weight = np.diff(np.floor(np.cumsum(weight) / each), prepend=0) * each
         small, weight = small[weight > 0], weight[weight > 0]
     on = points_on_faces(mesh.vertices[mesh.faces[large]], np.sqrt(most))
     face = large[on.face]
@@ -90,7 +102,7 @@ def from_flat_deg(mesh: TriangleMesh) -> FloatArray:
 
 def slope_report(paint: FaceContrast) -> dict[str, float]:
     """Shares of the painted contrast and of the surface on flat slopes, for the report."""
-    lean = np.abs(paint.normal[:, 2])
+    lean = np.abs(paint.lean)
     gone = lean > np.cos(np.radians(GONE_DEG - _ROUNDING_DEG))
     degraded = ~gone & (lean > np.cos(np.radians(DEGRADED_DEG - _ROUNDING_DEG)))
     painted = paint.mean > 0

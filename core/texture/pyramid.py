@@ -173,12 +173,12 @@ def _levels(
     mesh: TriangleMesh, faces: IntArray, face_texels: FloatArray, footprint_mm: float, count: int
 ) -> FloatArray:
     """Level (T,) of some faces, 0 to count - 1, from their areas in mm² and in texels; 0 where either is nothing."""
-    normal = mesh.area_normals.take(faces, axis=0)
-    area_mm2, area_texels = np.sqrt(np.einsum("fi,fi->f", normal, normal)) / 2, np.abs(face_texels.take(faces))
+    area_mm2, area_texels = mesh.face_area.take(faces), np.abs(face_texels.take(faces))
     sound = (area_mm2 > 0) & (area_texels > 0)
-    ratio = np.divide(area_texels, area_mm2, out=np.ones(len(faces)), where=sound)
-    level = np.where(sound, np.log2(footprint_mm) + 0.5 * np.log2(ratio), 0.0)
-    return np.clip(level, 0.0, count - 1.0)
+    # A face without an area in either is a texel as wide as the footprint.
+    ratio = np.divide(area_texels, area_mm2, out=np.full(len(faces), 1 / footprint_mm**2), where=sound)
+    level = 0.5 * np.log2(ratio) + np.log2(footprint_mm)
+    return np.asarray(np.clip(level, 0.0, count - 1.0))
 
 
 def _halved_to_one(base: Level) -> tuple[Level, ...]:
