@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import following, ranges, starts
-from .along_loops import box, cross, dot, filtered, steps
+from .along_loops import box, cross, dot, filtered
 from .grid import PointGrid
 
 BLOCK = 4
@@ -27,7 +27,7 @@ Bits = NDArray[np.uint16]
 
 
 def gaps(
-    points: FloatArray, normal: FloatArray, start: IntArray, layer: IntArray, inside: float, outside: float
+    points: FloatArray, step: float, normal: FloatArray, start: IntArray, layer: IntArray, inside: float, outside: float
 ) -> tuple[FloatArray, FloatArray]:
     """Distance to the opposite wall, inwards and outwards: twice the radius of the largest circle that fits there.
 
@@ -36,7 +36,8 @@ def gaps(
     the circle there do not meet.
 
     Args:
-        points: (2, N) mm, evenly spaced on closed loops.
+        points: (2, N) mm, evenly spaced on closed loops of whole blocks.
+        step: mm, from point to point, at most.
         normal: (2, N) outward unit normals.
         start: (M + 1,) offsets of the loops.
         layer: (M,) layer of each loop.
@@ -47,9 +48,8 @@ def gaps(
         (N,) thickness of the material, at most `inside`, and (N,) width of the air gap, at most `outside`, mm.
     """
     thickness, clearance = np.full(points.shape[1], inside), np.full(points.shape[1], outside)
-    step = steps(points, start)
     # No point of a block is farther away from its middle than this.
-    spread = float(np.sqrt(dot(step, step).max(initial=0.0))) * (BLOCK - BLOCK // 2)
+    spread = step * (BLOCK - BLOCK // 2)
     point, block = _near(points, normal, np.repeat(layer, np.diff(start) // BLOCK), spread, inside, outside)
     if not len(point):
         return thickness, clearance

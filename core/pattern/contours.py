@@ -158,7 +158,7 @@ def _fill(
         layer: (m,)
         settings: as in `contours`.
     """
-    kernel = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH)
+    kernel, spacing = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH), settings.wavelength / POINTS_PER_WAVELENGTH
     smooth = filtered(points, start, kernel)
     along = steps(smooth, start)
     normal = _normals(along, start, kernel)
@@ -166,20 +166,20 @@ def _fill(
     inwards, outwards = _reach(settings)
     most_inside = 2 * (float(widest.max(initial=0.0)) + inwards)
     most_outside = 2 * (outwards + NARROW_GAP) if outwards else 0.0
-    thickness, clearance = gaps(smooth, normal, start, layer, most_inside, most_outside)
+    thickness, clearance = gaps(smooth, spacing, normal, start, layer, most_inside, most_outside)
     widest = np.repeat(widest, np.diff(start))
     half, width = thickness / 2, lines.width[part]
     np.minimum(np.maximum(half, LEAST_WIDTH * widest), widest, out=width)
     base, step, unbent = inset(smooth, along, normal, np.minimum(width, half) / 2, start, kernel)
-    turning = dot(steps(normal, start), step)
-    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, step, -normal, -turning, start, inwards))
+    square, turning = dot(step, step), dot(steps(normal, start), step)
+    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, square, -normal, -turning, start, inwards))
     np.multiply(room, unbent, out=lines.room_inside[part])
     if outwards:
         room = np.maximum(clearance / 2 - NARROW_GAP, 0.0)
-        room = np.minimum(room, bend_room(base, step, normal, turning, start, outwards))
+        room = np.minimum(room, bend_room(base, square, normal, turning, start, outwards))
         np.multiply(room, unbent, out=lines.room_outside[part])
     lines.points[part], lines.normal[part] = base.T, normal.T
-    np.sqrt(dot(step, step), out=lines.arc[part])
+    np.sqrt(square, out=lines.arc[part])
 
 
 def _reach(settings: PrintSettings) -> tuple[float, float]:

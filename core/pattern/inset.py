@@ -51,7 +51,7 @@ def inset(
 
 
 def bend_room(
-    points: FloatArray, step: FloatArray, towards: FloatArray, opening: FloatArray, start: IntArray, reach: float
+    points: FloatArray, square: FloatArray, towards: FloatArray, opening: FloatArray, start: IntArray, reach: float
 ) -> FloatArray:
     """How far points of lines may be moved before they meet others that are moved too, on the inside of a bend.
 
@@ -59,7 +59,7 @@ def bend_room(
 
     Args:
         points: (2, N) mm, of closed loops.
-        step: (2, N) mm, from each to the next.
+        square: (N,) mm², of how far it is from each to the next.
         towards: (2, N) unit vectors, which way they move.
         opening: (N,) mm, along the step, by which two neighbours that move a millimetre get farther apart.
         start: (M + 1,) offsets of the loops.
@@ -68,7 +68,7 @@ def bend_room(
     Returns:
         (N,) mm, at most `reach`.
     """
-    room, square, longest = np.full(points.shape[1], reach), dot(step, step), (reach + TIP_GAP) / BEND_SHARE
+    room, longest = np.full(points.shape[1], reach), (reach + TIP_GAP) / BEND_SHARE
     sharp = np.flatnonzero(opening * -longest > square)
     if not len(sharp):
         return room
