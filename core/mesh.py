@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -47,26 +48,60 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
     vertices = placed(vertices, settings.center_on_bed)
     shift += vertices[0]
     check_size(vertices, model.name, settings)
-    corners, polygon = triangle_corners(vertices, model.polygon_start, corner_vertex)
-    vertices, welded = weld(vertices, _vertex_object(model, corner_vertex, len(vertices)))
-    faces = welded[_of_corners(corner_vertex, corners)]
+    triangles = _triangles(model, corner_vertex, vertices)
+    faces = triangles.of_corners(corner_vertex)
+    distinct, welded = weld(vertices, _vertex_object(model, corner_vertex, len(vertices)))
+    if len(distinct) < len(vertices):
+        faces = welded[faces]
     a, b, c = faces.T
     proper = (a != b) & (b != c) & (c != a)
     if not proper.any():
         raise MeshError(f"{model.name} has no face with an area", "check the mesh for collapsed faces")
     if not proper.all():
         kept = np.flatnonzero(proper)
-        corners, polygon, faces = corners.take(kept, axis=0), polygon[kept], faces.take(kept, axis=0)
-    face_uv, face_texture = _painting(model, corners, polygon)
-    tone = np.broadcast_to(np.nan, corners.shape) if model.corner_tone is None else model.corner_tone[corners]
-    face_object = None if model.polygon_object is None else model.polygon_object[polygon]
-    face_support = None if model.polygon_support is None else model.polygon_support[polygon]
-    volumes = tuple(volume.moved(shift) for volume in model.volumes)
+        triangles, faces = replace(triangles, kept=kept), faces.take(kept, axis=0)
+    face_uv, face_texture = _painting(model, triangles)
+    tone, visibility = (_of_corners(table, triangles) for table in (model.corner_tone, model.corner_visibility))
+    face_object, face_support, face_visibility = (
+        None if table is None else triangles.of_polygons(table)
+        for table in (model.polygon_object, model.polygon_support, model.polygon_visibility)
+    )
     return TriangleMesh(
-        vertices, faces, face_uv, tone, face_texture, face_object, face_support, volumes,
-        None if model.corner_visibility is None else model.corner_visibility[corners],
-        None if model.polygon_visibility is None else model.polygon_visibility[polygon],
+        distinct, faces, face_uv, np.broadcast_to(np.nan, faces.shape) if tone is None else tone, face_texture,
+        face_object, face_support, tuple(volume.moved(shift) for volume in model.volumes), visibility, face_visibility,
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Triangles:
+    """What triangles are made of.
+
+    Attributes:
+        corners: (T', 3) corners of each, None for all corners in turn.
+        polygon: (T',) the polygon that it is part of, None for all polygons in turn.
+        kept: (T,) those with an area, None for all.
+    """
+
+    corners: IntArray | None
+    polygon: IntArray | None
+    kept: IntArray | None = None
+
+    def of_corners(self, table: NDArray[Any]) -> NDArray[Any]:
+        """(T, 3, …) rows of their corners, a view of the table where it can be one."""
+        rows = table.reshape(-1, 3, *table.shape[1:]) if self.corners is None else table.take(self.corners, axis=0)
+        return rows if self.kept is None else rows.take(self.kept, axis=0)
+
+    def of_polygons(self, table: NDArray[Any]) -> NDArray[Any]:
+        """(T,) values of their polygons, likewise."""
+        rows = table if self.polygon is None else table.take(self.polygon)
+        return rows if self.kept is None else rows.take(self.kept)
+
+
+def _triangles(model: SurfaceModel, corner_vertex: IntArray, vertices: FloatArray) -> _Triangles:
+    """All triangles of a model."""
+    if (np.diff(model.polygon_start) == 3).all():
+        return _Triangles(None, None)
+    return _Triangles(*triangle_corners(vertices, model.polygon_start, corner_vertex))
 
 
 def checked(model: SurfaceModel) -> tuple[IntArray, FloatArray]:
@@ -102,7 +137,7 @@ def _used_vertices(model: SurfaceModel) -> tuple[IntArray, FloatArray]:
     used = np.zeros(len(model.vertices), dtype=bool)
     used[model.corner_vertex] = True
     if used.all():
-        return model.corner_vertex, np.asarray(model.vertices, dtype=np.float64)
+        return np.asarray(model.corner_vertex, dtype=np.int64), np.asarray(model.vertices, dtype=np.float64)
     renumbered = np.cumsum(used) - 1
     return renumbered[model.corner_vertex], np.asarray(model.vertices[used], dtype=np.float64)
 
@@ -122,8 +157,10 @@ def placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
     if not center_on_bed:
         return vertices
     low, high = bounds(vertices)
-    anchor = np.array([(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]])
-    moved: FloatArray = vertices - anchor
+    anchor = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2])
+    moved = np.empty_like(vertices)
+    for axis in range(3):
+        np.subtract(vertices[:, axis], anchor[axis], out=moved[:, axis])
     return moved
 
 
@@ -224,12 +261,12 @@ def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArra
     return vertices, into
 
 
-def _painting(model: SurfaceModel, corners: IntArray, polygon: IntArray) -> tuple[FloatArray, IntArray]:
+def _painting(model: SurfaceModel, triangles: _Triangles) -> tuple[FloatArray, IntArray]:
     """UVs (T, 3, 2) and textures (T,) of triangles; where a UV is not finite or absurd there is no texture."""
-    texture = np.maximum(model.polygon_texture[polygon], -1)
+    texture = np.maximum(triangles.of_polygons(model.polygon_texture), -1)
     if model.corner_uv is None:
-        return np.zeros((*corners.shape, 2)), texture
-    uv = np.asarray(_of_corners(model.corner_uv, corners), dtype=np.float64)
+        return np.zeros((len(texture), 3, 2)), texture
+    uv = np.asarray(triangles.of_corners(model.corner_uv), dtype=np.float64)
     if uv.min() >= -_UV_LIMIT and uv.max() <= _UV_LIMIT:  # NaN fails as well
         return uv, texture
     broken = ~(np.abs(uv) <= _UV_LIMIT).all(axis=(1, 2))
@@ -238,9 +275,5 @@ def _painting(model: SurfaceModel, corners: IntArray, polygon: IntArray) -> tupl
     return uv, texture
 
 
-def _of_corners(table: NDArray[Any], corners: IntArray) -> NDArray[Any]:
-    """(T, 3, …) rows of triangles' corners; a view of the table where these are all of them in turn."""
-    flat = corners.ravel()
-    if len(flat) == len(table) and (flat == np.arange(len(flat))).all():
-        return table.reshape(*corners.shape, *table.shape[1:])
-    return table.take(corners, axis=0)
+def _of_corners(table: FloatArray | None, triangles: _Triangles) -> FloatArray | None:
+    return None if table is None else triangles.of_corners(table)
