@@ -24,7 +24,7 @@ from .contours import Contours, long_enough
 from .phase_fit import PhaseFit
 from .phase_grid import PhaseGrid, on_grid, phase_grid
 from .sampling import Projector, Samples
-from .seam_polish import Polish, polished
+from .seam_polish import Polish, Stage, polished
 from .spacing import bounded
 from .wave_plan import WavePlan, planned, planned_further
 from .whole_waves import Phase, rounded
@@ -32,11 +32,13 @@ from .whole_waves import Phase, rounded
 # The plan is made on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
 # Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
-COARSE_FIT, FINE_FIT, POLISH = (8, 1, 10), (2, 0, 8), Polish(12, 0.2, 3)
-# Those of a few more tries, which are made as long as more than this share of the pattern is a visible seam, or this
-# where it is told how much a seam matters.
-LONGER_COARSE_FIT, LONGER_FINE_FIT, LONGER_POLISH = (8, 1, 20), (4, 0, 12), Polish(60, 0.1, 4)
-MORE_TRIES, ENOUGH, ENOUGH_WEIGHED = 2, 0.004, 0.0025
+COARSE_FIT, FINE_FIT = (8, 1, 10), (2, 0, 8)
+POLISH = Polish((Stage(8, 2, 0.7, 0.2), Stage(4, 3, 0.55, 0.05)), 0.2, 3)
+# Where more than this share of the pattern is a visible seam, or the second where it is told how much a seam matters, a
+# few more plans are tried, with longer fits; the best of all is polished longer from this share of it on.
+ENOUGH, ENOUGH_WEIGHED, FEW = 0.004, 0.0025, 0.8
+MORE_TRIES, LONGER_COARSE_FIT, LONGER_FINE_FIT = 2, (8, 1, 20), (4, 0, 12)
+LONGER_POLISH = Polish((Stage(30, 1, 0.8, 0.2), Stage(30, 2, 0.7, 0.1), Stage(30, 3, 0.55, 0.05)), 0.1, 4, exact=True)
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
 # What nobody sees still counts by this much.
@@ -64,7 +66,7 @@ class _Planning:
     """From contours to samples."""
 
     def __init__(self, lines: Contours, projector: Projector, weight: FloatArray, settings: PrintSettings) -> None:
-        self.lines, self.weight, self.settings = lines, weight, settings
+        self.lines, self.projector, self.weight, self.settings = lines, projector, weight, settings
         self.fine = phase_grid(lines, projector, settings)
         self.coarse = self.fine.coarser(lines, COARSE_STRIDE)
         self.here = _at_nodes(weight, lines, self.coarse)
@@ -74,18 +76,18 @@ class _Planning:
         price = np.minimum(self.here, self.here[self.coarse.ahead])
         plan = planned(self.lines, self.fine, self.coarse, price, self.settings)
         enough = ENOUGH if self.weight.min() == 1 else ENOUGH_WEIGHED
-        best, seen = self._realised(plan, COARSE_FIT, FINE_FIT, POLISH)
-        for _ in range(MORE_TRIES):
-            if seen <= enough:
-                break
+        best, seen = self._realised(plan, COARSE_FIT, FINE_FIT)
+        for _ in range(MORE_TRIES if seen > enough else 0):
             plan = planned_further(self.coarse, plan, price, self.settings)
-            found, left = self._realised(plan, LONGER_COARSE_FIT, LONGER_FINE_FIT, LONGER_POLISH)
+            found, left = self._realised(plan, LONGER_COARSE_FIT, LONGER_FINE_FIT)
             if left < seen:
                 best, seen = found, left
+        if seen > FEW * enough:
+            best, _ = polished(self.projector, self.fine, best, self.weight, LONGER_POLISH, self.settings)
         return best
 
     def _realised(
-        self, plan: WavePlan, coarse_fit: tuple[int, int, int], fine_fit: tuple[int, int, int], polish: Polish
+        self, plan: WavePlan, coarse_fit: tuple[int, int, int], fine_fit: tuple[int, int, int]
     ) -> tuple[Samples, float]:
         """Samples by a plan, and the share of the pattern that is a visible seam."""
         lines, coarse, fine, settings = self.lines, self.coarse, self.fine, self.settings
@@ -94,7 +96,7 @@ class _Planning:
         phase = Phase(phase.at(*on_grid(coarse, lines, fine), coarse), phase.turns)
         phase = PhaseFit(fine, phase, _at_nodes(self.weight, lines, fine), settings).solved(*fine_fit)
         samples = Samples.on(lines, bounded(lines, *whole_phases(fine, phase), settings))
-        return polished(lines, fine, samples, self.weight, polish, settings)
+        return polished(self.projector, fine, samples, self.weight, POLISH, settings)
 
 
 def _at_nodes(weight: FloatArray, lines: Contours, grid: PhaseGrid) -> FloatArray:

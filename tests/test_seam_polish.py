@@ -1,0 +1,63 @@
+"""The last polish of the optimised sampling: what counts as seen, what it compares, that it leaves fewer seams."""
+
+import numpy as np
+import pytest
+from dualcolor.core.mesh import triangulate
+from dualcolor.core.pattern.contours import contours
+from dualcolor.core.pattern.optimized import LONGER_POLISH, POLISH, optimized_samples
+from dualcolor.core.pattern.phase_grid import phase_grid
+from dualcolor.core.pattern.quality import seam_errors
+from dualcolor.core.pattern.sampling import Projector, Samples
+from dualcolor.core.pattern.seam_polish import Stage, _midpoints, _sharpness, polished
+from dualcolor.core.pattern.spacing import bounded
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.slicing.slices import slices
+from dualcolor.tests.solids import lathe
+
+SETTINGS = PrintSettings(pattern="wave", wavelength=1.2)
+
+
+@pytest.fixture(scope="module")
+def vase():
+    """A round wall that gets narrower by less than half, so that all waves can go on."""
+    cut = slices(triangulate(lathe([[10, 0], [6, 15]]), SETTINGS), SETTINGS)
+    return contours(cut.outlines, cut.loop_polygon, SETTINGS)
+
+
+@pytest.mark.parametrize("doublings", [1, 2, 3])
+def test_what_counts_as_seen_grows_as_it_should(doublings):
+    error = np.linspace(0.01, 4.0, 400)
+    stage, power, step = Stage(1, doublings, 0.6, 0.1), 2.0**doublings, 1e-6
+
+    def counted(value):
+        return value**power / (value**power + 0.6**power)
+
+    slope = (counted(error + step) - counted(error - step)) / (2 * step)
+    np.testing.assert_allclose(_sharpness(error, stage), slope, rtol=1e-5, atol=1e-7)
+
+
+def test_midpoints_are_halfway_to_the_next_point_around_the_contour(vase):
+    point = np.arange(len(vase.arc))
+    place = _midpoints(vase, point)
+    ahead = np.append(vase.arc[1:], vase.arc_start[-1])
+    ahead[vase.start[1:] - 1] = vase.arc_start[1:]
+    np.testing.assert_allclose(place - vase.arc, ahead - place, atol=1e-9)
+    assert (place > vase.arc).all()
+    assert (np.searchsorted(vase.arc, place, side="right") - 1 == point).all()
+
+
+@pytest.mark.parametrize(("effort", "left"), [(POLISH, 0.7), (LONGER_POLISH, 0.25)], ids=["quick", "longer"])
+def test_polish_mends_samples_that_were_disturbed_and_tells_how_much_is_left(vase, effort, left):
+    projector, weight = Projector(vase, SETTINGS.projection_threshold), np.ones(len(vase.arc))
+    even = optimized_samples(vase, projector, SETTINGS)
+    away = np.random.default_rng(1).normal(0.0, 0.15, len(even.arc))
+    arc = np.clip(even.arc + away, vase.arc_start[even.loop], vase.arc_start[even.loop + 1] - 1e-6)
+    before = Samples.on(vase, bounded(vase, arc, even.loop, SETTINGS))
+    after, seen = polished(projector, phase_grid(vase, projector, SETTINGS), before, weight, effort, SETTINGS)
+    least = SETTINGS.wavelength
+    assert after.spacing(vase).min() >= least - 1e-6
+    assert after.spacing(vase).max() < 2 * least
+    salient = [seam_errors(vase, samples, projector).shares(len(samples.arc))["salient"] for samples in (before, after)]
+    assert salient[0] > 0.02
+    assert salient[1] < left * salient[0]
+    assert seen == pytest.approx(salient[1], rel=0.1)
