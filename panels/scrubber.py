@@ -40,8 +40,8 @@ class DUALCOLOR_PT_scrubber(Tab, bpy.types.Panel):
         column.prop(view, "layer_to")
         column.prop(view, "moves", slider=True)
         shown, moves = moves_shown(collection)
-        column.label(text=f"of 0 to {last_layer(collection)}")
-        column.label(text=f"{shown} of {moves} moves of the last one")
+        column.label(text=f"All layers: 0 to {last_layer(collection)}")
+        column.label(text=f"Last one shown: {shown} of {moves} moves")
         grid = self.layout.grid_flow(columns=3, align=True)
         for kind in KINDS:
             grid.prop(view, f"show_{kind}", toggle=True)
