@@ -235,7 +235,8 @@ def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_p
         user.front("Blender Render", (720, 720))
         user.move(400, 420)
         user.keys("shift+Home")  # all of the picture
-        brightness(user, (105, 410), lambda seen: seen > 120)  # the studio: before it is drawn the main window is seen
+        # The studio: until the window is drawn anew, the main one is seen, or what is beside the picture.
+        brightness(user, (140, 95), lambda seen: seen > 120)
         user.shot(kept / "render.png", (40, 40, 760, 760), colours=32)
     finally:
         user.close()
