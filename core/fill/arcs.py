@@ -42,7 +42,7 @@ def arcs(cut: Crossings) -> Arcs:
 
     steps = np.hypot(np.diff(cut.vertices[:, 0]), np.diff(cut.vertices[:, 1]))
     travelled = np.concatenate([[0.0], np.cumsum(np.where(repeats[:-1], 0.0, steps))])[: len(cut.vertices)]
-    place = travelled[cut.edge] + np.hypot(*(cut.places - cut.vertices[cut.edge]).T)
+    place = travelled[cut.edge] + np.hypot(*(cut.places - cut.vertices.take(cut.edge, axis=0)).T)
     length = place[end] - place
     closing = np.flatnonzero(repeats)[cut.vertex_ring[cut.edge[last]]]
     opening = np.concatenate([[0], np.flatnonzero(repeats)[:-1] + 1])[cut.vertex_ring[cut.edge[last]]]
@@ -67,9 +67,9 @@ def strays(cut: Crossings, along: Arcs, asked: BoolArray, closeness_mm: float) -
     vertex = np.flatnonzero(along.of_vertex >= 0)
     vertex = vertex[asked[along.of_vertex[vertex]]]
     arc = along.of_vertex[vertex]
-    start = cut.places[arc]
-    line = cut.places[along.end[arc]] - start
-    offset = cut.vertices[vertex] - start
+    start = cut.places.take(arc, axis=0)
+    line = cut.places.take(along.end[arc], axis=0) - start
+    offset = cut.vertices.take(vertex, axis=0) - start
     share = np.clip(np.einsum("ij,ij->i", offset, line) / np.einsum("ij,ij->i", line, line), 0.0, 1.0)
     distance = np.hypot(*(offset - share[:, None] * line).T)
     result = np.zeros(len(cut.x), dtype=bool)

@@ -69,7 +69,7 @@ def joined(
     vertex, owner, rank = _followed(cut, along, links)
     at = np.concatenate([np.repeat(np.arange(len(span)), 2), place[owner]])
     order = np.lexsort((np.concatenate([np.tile([-2, -1], len(span)), rank]), at))
-    points = np.concatenate([ends, cut.vertices[vertex]])[order]
+    points = np.concatenate([ends, cut.vertices.take(vertex, axis=0)]).take(order, axis=0)
     first = np.searchsorted(at[order], np.flatnonzero(starts))
     return points, np.append(first, len(points)).astype(np.int64), cut.region[found.left[span[starts]]]
 

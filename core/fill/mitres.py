@@ -87,7 +87,8 @@ def moved(shapes: Shapes, distance_mm: FloatArray) -> Moved:
     if not len(rings):
         return Moved(np.full(len(shapes), shapely.Polygon(), dtype=object), sound, corners, ring)
     kept = np.append(ring[1:] == ring[:-1], False)
-    points, ring = corners[kept].view(np.complex128).ravel(), ring[kept]
+    corners, ring = corners.compress(kept, axis=0), ring[kept]
+    points = corners.view(np.complex128).ravel()
     hole = np.append(False, part[1:] == part[:-1])
     edges = _moved_edges(points, ring, hole, distance_mm[owner[part]])
     _drop_turned(edges)
@@ -98,7 +99,7 @@ def moved(shapes: Shapes, distance_mm: FloatArray) -> Moved:
     result = _polygons(edges.begin[used], ring[used], part, owner, len(shapes))
     sound[sound] = shapely.is_valid(result[sound])
     dropped = np.flatnonzero(~edges.left & sound[island[ring]])
-    return Moved(result, sound, corners[kept][dropped], island[ring[dropped]])
+    return Moved(result, sound, corners[dropped], island[ring[dropped]])
 
 
 def _moved_edges(points: Plane, ring: IntArray, hole: BoolArray, distance_mm: FloatArray) -> _Edges:
@@ -114,7 +115,9 @@ def _moved_edges(points: Plane, ring: IntArray, hole: BoolArray, distance_mm: Fl
     outwards = (side * distance_mm)[ring]
     mitred = np.sign(outwards)
     lost = (length == 0) | ((turn.real < _SHARPEST) & (turn.imag * mitred >= 0)) | (turn.real < -0.99)
-    begin = points - 1j * outwards * (along + along[behind]) / np.maximum(1 + turn.real, 0.01)
+    mitre = along + along[behind]
+    mitre *= outwards / np.maximum(1 + turn.real, 0.01)
+    begin = points - 1j * mitre
     return _Edges(begin, along, length, ahead, behind, mitred, np.ones(len(points), dtype=bool), lost)
 
 

@@ -116,7 +116,7 @@ def boundary_paths(
     rings, island = rings[printable], island[printable]
     points, ring = shapely.get_coordinates(rings, return_index=True)
     closing = np.append(ring[1:] != ring[:-1], True)[: len(ring)]
-    points, ring = points[~closing], ring[~closing]
+    points, ring = points.compress(~closing, axis=0), ring[~closing]
     counts = np.bincount(ring, minlength=len(rings))
     return Paths(
         points=points,
