@@ -38,7 +38,12 @@ POLISH = Polish((Stage(8, 2, 0.7, 0.2), Stage(4, 3, 0.55, 0.05)), 0.2, 3)
 # few more plans are tried, with longer fits; the best of all is polished longer from this share of it on.
 ENOUGH, ENOUGH_WEIGHED, FEW = 0.004, 0.0025, 0.8
 MORE_TRIES, LONGER_COARSE_FIT, LONGER_FINE_FIT = 2, (8, 1, 20), (4, 0, 12)
-LONGER_POLISH = Polish((Stage(30, 1, 0.8, 0.2), Stage(30, 2, 0.7, 0.1), Stage(30, 3, 0.55, 0.05)), 0.1, 4, exact=True)
+LONGER_POLISH = Polish(
+    (Stage(25, 1, 0.8, 0.2), Stage(25, 2, 0.7, 0.12), Stage(25, 3, 0.6, 0.06), Stage(25, 4, 0.53, 0.03)),
+    0.1,
+    4,
+    exact=True,
+)
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
 # What nobody sees still counts by this much.
