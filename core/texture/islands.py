@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray, TriangleMesh
+from ..pattern.chunks import in_chunks
 
 NO_ISLAND = -1
 
@@ -33,11 +34,17 @@ def corner_places(mesh: TriangleMesh, faces: IntArray) -> IntArray:
 
     A vertex stands for the UV and the texture at one of its corners; only corners that differ from that are sorted.
     """
-    place, texture = mesh.faces.take(faces, axis=0), mesh.face_texture.take(faces)
-    uv = complex_uv(mesh.face_uv if len(faces) == len(mesh.faces) else mesh.face_uv[faces])
+    whole = len(faces) == len(mesh.faces)
+    place, texture = (mesh.faces.copy(), mesh.face_texture) if whole else (mesh.faces[faces], mesh.face_texture[faces])
+    uv = complex_uv(mesh.face_uv if whole else mesh.face_uv[faces])
     standing = np.empty(len(mesh.vertices), dtype=np.complex128)
     standing[place] = uv
-    row, corner = np.divmod(np.flatnonzero(standing.take(place) != uv), 3)
+
+    def unlike(place: IntArray, uv: NDArray[np.complex128], row: IntArray) -> tuple[IntArray]:
+        """Those corners of some faces that differ."""
+        return (np.flatnonzero(standing.take(place) != uv) + 3 * row[:1],)
+
+    row, corner = np.divmod(in_chunks(unlike, place, uv, np.arange(len(faces)))[0], 3)
     difference = uv[row, corner] - standing[place[row, corner]]
     far = np.maximum(np.abs(difference.real), np.abs(difference.imag)) > _UV_STEP
     row, corner = row[far], corner[far]
@@ -61,9 +68,13 @@ def complex_uv(face_uv: FloatArray) -> NDArray[np.complex128]:
 
 def uv_areas(face_uv: FloatArray) -> FloatArray:
     """(T,) area of triangles (T, 3, 2) in the picture, as a share of it, negative for those that are mirrored."""
-    uv = complex_uv(face_uv)
-    first, second = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
-    return np.asarray(0.5 * (first.real * second.imag - first.imag * second.real))
+
+    def chunk(uv: NDArray[np.complex128]) -> tuple[FloatArray]:
+        """Those of some triangles."""
+        first, second = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+        return (0.5 * (first.real * second.imag - first.imag * second.real),)
+
+    return in_chunks(chunk, complex_uv(face_uv))[0]
 
 
 def components(groups: IntArray) -> IntArray:

@@ -9,8 +9,9 @@ import numpy as np
 
 from ..errors import TextureError
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..slicing.intersect import following_corner
 from ..slicing.outlines import ranges
-from .islands import NO_ISLAND, LabelImage, components, corner_places, numbered, uv_areas
+from .islands import NO_ISLAND, LabelImage, complex_uv, components, corner_places, numbered, uv_areas
 
 _REPEATS = 4  # faces that cover a picture more often than this use it as a repeating pattern
 _CHUNK_ROWS, _CHUNK_TEXELS = 1 << 18, 1 << 20  # worked on at once
@@ -135,12 +136,13 @@ def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray, island: Label
         size: width and height, texels.
     """
     places = int(place.max(initial=-1)) + 1
-    face, corner = _on_borders(place, side, places)
-    after = (corner + 1) % 3
-    one, other = place[face, corner], place[face, after]
-    own = np.empty((places, 2))  # the same to the last digit on either side, so that borders are closed
-    own[one], own[other] = face_uv[face, corner] * size, face_uv[face, after] * size
-    start, end, turn = own[one], own[other], side[face]
+    corner = _on_borders(place, side, places)
+    face, after = corner // 3, following_corner(corner)
+    one, other, uv = place.take(corner), place.take(after), complex_uv(face_uv)
+    own = np.empty(places, dtype=np.complex128)  # the same to the last digit on either side, so that borders are closed
+    own[one], own[other] = uv.take(corner), uv.take(after)
+    start, end = (own.take(corners).view(np.float64).reshape(-1, 2) * size for corners in (one, other))
+    turn = side[face]
     crossing = (_centre_from(start[:, 1]) != _centre_from(end[:, 1])) & (turn != 0)
     face, one, other, start, end, turn = (values[crossing] for values in (face, one, other, start, end, turn))
     # Two triangles on either side of an edge run along it in opposite directions.
@@ -152,21 +154,21 @@ def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray, island: Label
     return _Edges(low, high, up == (turn > 0), island[face])
 
 
-def _on_borders(place: IntArray, side: FloatArray, places: int) -> tuple[IntArray, IntArray]:
-    """Edges both of whose ends are on a chart's border or on a fold of it: the triangle and the corner they start from.
+def _on_borders(place: IntArray, side: FloatArray, places: int) -> IntArray:
+    """The edges both of whose ends are on a chart's border or on a fold of it, as the corners that they start from.
 
     Around a place within a chart each triangle begins where the one before it has ended: with a random number for
     each place, end less begin, summed over the triangles, is nothing. A mirrored triangle ends where it begins.
     """
     number = np.random.default_rng(0).integers(1 << 44, size=places).astype(np.float64)
-    corners = [np.ascontiguousarray(column) for column in place.T]
-    numbers = [number.take(corner) for corner in corners]
-    total = np.zeros(places)  # of whole numbers, so that nothing is rounded
-    for k, corner in enumerate(corners):
-        total += np.bincount(corner, side * (numbers[k - 2] - numbers[k - 1]), places)
-    first, second, third = ((total != 0).take(corner) for corner in corners)
-    faces = [np.flatnonzero(both) for both in (first & second, second & third, third & first)]
-    return np.concatenate(faces), np.repeat(np.arange(3), [len(each) for each in faces])
+    numbers = number.take(place)
+    difference = np.empty_like(numbers)
+    for k in range(3):
+        np.subtract(numbers[:, k - 2], numbers[:, k - 1], out=difference[:, k])
+        difference[:, k] *= side
+    total = np.bincount(place.ravel(), difference.ravel(), places)  # of whole numbers, so that nothing is rounded
+    outside = (total != 0).take(place)
+    return np.concatenate([3 * np.flatnonzero(outside[:, k] & outside[:, k - 2]) + k for k in range(3)])
 
 
 def _centre_from(edge: FloatArray) -> FloatArray:
