@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray, TriangleMesh
-from ..pattern.chunks import in_chunks
+from ..pattern.chunks import CHUNK_ROWS
 
 NO_ISLAND = -1
 
@@ -40,11 +40,12 @@ def corner_places(mesh: TriangleMesh, faces: IntArray) -> IntArray:
     standing = np.empty(len(mesh.vertices), dtype=np.complex128)
     standing[place] = uv
 
-    def unlike(place: IntArray, uv: NDArray[np.complex128], row: IntArray) -> tuple[IntArray]:
-        """Those corners of some faces that differ."""
-        return (np.flatnonzero(standing.take(place) != uv) + 3 * row[:1],)
-
-    row, corner = np.divmod(in_chunks(unlike, place, uv, np.arange(len(faces)))[0], 3)
+    parts = range(0, len(faces), CHUNK_ROWS)
+    unlike = [
+        np.flatnonzero(standing.take(place[begin : begin + CHUNK_ROWS]) != uv[begin : begin + CHUNK_ROWS]) + 3 * begin
+        for begin in parts
+    ]
+    row, corner = np.divmod(np.concatenate([*unlike, np.zeros(0, dtype=np.int64)]), 3)
     difference = uv[row, corner] - standing[place[row, corner]]
     far = np.maximum(np.abs(difference.real), np.abs(difference.imag)) > _UV_STEP
     row, corner = row[far], corner[far]
@@ -68,13 +69,12 @@ def complex_uv(face_uv: FloatArray) -> NDArray[np.complex128]:
 
 def uv_areas(face_uv: FloatArray) -> FloatArray:
     """(T,) area of triangles (T, 3, 2) in the picture, as a share of it, negative for those that are mirrored."""
-
-    def chunk(uv: NDArray[np.complex128]) -> tuple[FloatArray]:
-        """Those of some triangles."""
+    area = np.empty(len(face_uv))
+    for begin in range(0, len(area), CHUNK_ROWS):  # what stays in the cache
+        uv = complex_uv(face_uv[begin : begin + CHUNK_ROWS])
         first, second = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
-        return (0.5 * (first.real * second.imag - first.imag * second.real),)
-
-    return in_chunks(chunk, complex_uv(face_uv))[0]
+        area[begin : begin + CHUNK_ROWS] = 0.5 * (first.real * second.imag - first.imag * second.real)
+    return area
 
 
 def components(groups: IntArray) -> IntArray:
