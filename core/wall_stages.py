@@ -14,7 +14,7 @@ from .calibration.calibrate import calibrated
 from .fill.closing import Closing, closing
 from .mesh import triangulate
 from .model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
-from .pattern.contours import Contours, contours
+from .pattern.contours import Contours, contours, reach_of
 from .pattern.optimized import optimized_samples
 from .pattern.quality import SeamErrors, seam_errors
 from .pattern.sampling import Projector, Samples, sample
@@ -87,7 +87,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     cut = run("slicing", slices, mesh, settings)
     closes = aside("closing", closing, cut.polygons, cut.polygon_layer, len(cut.layers), settings)
     yield stages.begin(0.2, "contours")
-    lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings)
+    lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings, reach_of(settings))
     yield stages.begin(0.3, "sampling")
     projector = run("projector", Projector, lines, settings.projection_threshold)
     early = run("tone", pattern_tone, lines, painting.result(), settings) if settings.hide_seams else None

@@ -6,9 +6,11 @@ and moved inwards by half a line width so that the strand's outer edge is the mo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,6 +35,15 @@ NARROW_GAP = 0.02
 OPEN_AIR = 1.0
 # About so many points are worked on at a time: their arrays stay in the cache.
 POINTS_AT_ONCE = 1 << 15
+# How far room is looked for is a multiple of this, mm, but for rounding errors.
+REACH_STEP, ROUNDING = 0.2, 1e-9
+
+
+class Reach(NamedTuple):
+    """How far room for a line is looked for, mm."""
+
+    inwards: float
+    outwards: float
 
 
 @dataclass(frozen=True)
@@ -52,7 +63,7 @@ class Contours:
         face: (N,) int64, the face of the mesh at each point.
         carried: (N, 3) u, v and vertex tone at each point.
         width: (N,) mm, line width: the one of the layer, less where the wall is thin.
-        room_inside: (N,) mm, how far the line may be moved inwards without meeting anything; no more than is used.
+        room_inside: (N,) mm, how far the line may be moved inwards without meeting anything; no more than `Reach`.
         room_outside: (N,) mm, the same outwards; with `hide_seams` up to `OPEN_AIR`.
     """
 
@@ -105,14 +116,18 @@ class Contours:
         return before, after, share
 
 
-def contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings) -> Contours:
+def contours(
+    outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings, reach: Reach | None = None
+) -> Contours:
     """Resample, filter and inset the outlines of all layers.
 
     Args:
         outlines: M loops.
         loop_polygon: (M,) the region that each bounds.
         settings: wavelength and the extrusion widths are used.
+        reach: how far room is looked for; None is as far as the settings ask for.
     """
+    reach = reach or reach_of(settings)
     even = even_points(outlines, settings.wavelength / POINTS_PER_WAVELENGTH, BLOCK)
     count = int(even.start[-1])
     step, face, carried = np.empty(count), np.empty(count, dtype=np.int64), np.empty((3, count))
@@ -133,7 +148,9 @@ def contours(outlines: Outlines, loop_polygon: IntArray, settings: PrintSettings
     for first, last in _runs_of_layers(outlines.layer, even.start):
         part = slice(even.start[first], even.start[last])
         points, face[part], carried[:, part] = resampled(outlines, even, first, last)
-        _fill(lines, part, points, even.start[first : last + 1] - part.start, outlines.layer[first:last], settings)
+        _fill(
+            lines, part, points, even.start[first : last + 1] - part.start, outlines.layer[first:last], reach, settings
+        )
     total = np.concatenate([[0.0], np.cumsum(step)])
     return replace(lines, arc=total[:-1], arc_start=total[even.start])
 
@@ -146,7 +163,13 @@ def _runs_of_layers(layer: IntArray, start: IntArray) -> Iterable[tuple[int, int
 
 
 def _fill(
-    lines: Contours, part: slice, points: FloatArray, start: IntArray, layer: IntArray, settings: PrintSettings
+    lines: Contours,
+    part: slice,
+    points: FloatArray,
+    start: IntArray,
+    layer: IntArray,
+    reach: Reach,
+    settings: PrintSettings,
 ) -> None:
     """The contours of a few layers, into their place; nothing in them depends on other layers.
 
@@ -156,6 +179,7 @@ def _fill(
         points: (2, n) mm, on the outlines.
         start: (m + 1,) offsets of the loops.
         layer: (m,)
+        reach: as in `contours`.
         settings: as in `contours`.
     """
     kernel, spacing = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH), settings.wavelength / POINTS_PER_WAVELENGTH
@@ -163,7 +187,7 @@ def _fill(
     along = steps(smooth, start)
     normal = _normals(along, start, kernel)
     widest = line_widths(layer, settings)
-    inwards, outwards = _reach(settings)
+    inwards, outwards = reach
     most_inside = 2 * (float(widest.max(initial=0.0)) + inwards)
     most_outside = 2 * (outwards + NARROW_GAP) if outwards else 0.0
     thickness, clearance = gaps(smooth, spacing, normal, start, layer, most_inside, most_outside)
@@ -182,12 +206,13 @@ def _fill(
     np.sqrt(square, out=lines.arc[part])
 
 
-def _reach(settings: PrintSettings) -> tuple[float, float]:
-    """How far room is looked for inwards and outwards, mm: as far as anything moves a line."""
+def reach_of(settings: PrintSettings) -> Reach:
+    """As far as anything moves a line, rounded up, so that contours can be kept where that changes by little."""
     wave = 0.0 if settings.pattern == "offset" else settings.wave_depth_max / 2
     solid = 0.0 if settings.solid_regions == "none" else settings.solid_set_back
     air = OPEN_AIR if wave and settings.hide_seams else 0.0
-    return wave + max(settings.offset_max, solid), max(wave, air)
+    inwards, outwards = wave + max(settings.offset_max, solid), max(wave, air)
+    return Reach(*(REACH_STEP * math.ceil(way / REACH_STEP - ROUNDING) for way in (inwards, outwards)))
 
 
 def _normals(along: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
