@@ -10,13 +10,21 @@ import numpy as np
 
 from .errors import OutputError, PrintError
 from .files import reason
-from .gcode.numbers import WordArray, filament_words, word, words
+from .gcode.numbers import FOUR_DIGITS, WordArray, filament_words, word
 from .model import IntArray
 from .tubes import SIDES, Rods, Tubes, count, tubes
 
 _STL_RECORD = [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
-_DIGITS = words([f"{n:04d}" for n in range(10_000)])
-_LEADING = words([str(n) if n else "" for n in range(10_000)])
+
+
+def _without_leading_zeros(texts: WordArray) -> WordArray:
+    digits = texts.view(np.uint8).reshape(-1, 4)
+    shown = np.logical_or.accumulate(digits > ord("0"), axis=1)
+    shortened: WordArray = np.where(shown, digits, 0).astype(np.uint8).view(np.uint32)[:, 0]
+    return shortened
+
+
+_LEADING = _without_leading_zeros(FOUR_DIGITS)
 
 
 def write_mesh(path: Path, rods: Rods) -> int:
@@ -85,8 +93,8 @@ def _face_words(faces: IntArray) -> list[WordArray]:
         columns += [
             _same("f " if number == 0 else " ", len(faces)),
             _LEADING[far],
-            np.where(far > 0, _DIGITS[high], _LEADING[high]),
-            np.where((far > 0) | (high > 0), _DIGITS[low], _LEADING[low]),
+            np.where(far > 0, FOUR_DIGITS[high], _LEADING[high]),
+            np.where((far > 0) | (high > 0), FOUR_DIGITS[low], _LEADING[low]),
         ]
     return [*columns, _same("\n", len(faces))]
 

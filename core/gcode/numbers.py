@@ -32,11 +32,18 @@ def words(texts: list[str]) -> WordArray:
     return np.array(texts, dtype="S4").view(np.uint32)
 
 
+def _four_digits() -> WordArray:
+    """(10000,) the numbers from 0 on in four digits; without Python's texts, which would take a while."""
+    digits = np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")
+    found: WordArray = digits.astype(np.uint8).view(np.uint32)[:, 0]
+    return found
+
+
+FOUR_DIGITS = _four_digits()
 _SIGNED = words([sign + str(n) for sign in ("", "-") for n in range(1000)])  # at 1000 × negative + n
 _SIGNED_OR_EMPTY = words([sign + (str(n) if n else "") for sign in ("", "-") for n in range(1000)])
 _FRACTION = words([f".{n:03d}" for n in range(1000)])
 _UNITS = words([f"{n}." for n in range(1000)] + [f"{n:03d}." for n in range(1000)])  # at 1000 × padded + n
-_FOUR = words([f"{n:04d}" for n in range(10000)])
 _FEEDRATE = words([f" F{n}" if n else " F" for n in range(100)])
 _REST = words([str(n) for n in range(1000)] + [f"{n:03d}" for n in range(1000)])  # at 1000 × padded + n
 _LAST = words([str(n) for n in range(10)])
@@ -72,7 +79,7 @@ def filament_words(steps: IntArray) -> tuple[WordArray, WordArray, WordArray, Wo
     thousands += _THOUSAND * (steps < 0)
     four = fraction // _TEN
     fraction -= four * _TEN
-    return _SIGNED_OR_EMPTY.take(thousands), _UNITS.take(units), _FOUR.take(four), _LAST.take(fraction)
+    return _SIGNED_OR_EMPTY.take(thousands), _UNITS.take(units), FOUR_DIGITS.take(four), _LAST.take(fraction)
 
 
 def feedrate_words(feedrate: NDArray[np.int32]) -> tuple[WordArray, WordArray]:
@@ -112,7 +119,7 @@ def whole_texts(letters: list[str], most: int) -> TextArray:
 @cache
 def five_decimals() -> TextArray:
     """(100000,) the numbers from 0 on in five digits."""
-    return _paired(np.repeat(_FOUR, 10), np.tile(_LAST, len(_FOUR)))
+    return _paired(np.repeat(FOUR_DIGITS, 10), np.tile(_LAST, len(FOUR_DIGITS)))
 
 
 def feedrate_texts(most: int) -> TextArray:
