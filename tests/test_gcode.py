@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from dualcolor.core.gcode.numbers import (
     coordinate_texts,
-    coordinate_words,
     feedrate_texts,
     feedrate_words,
     filament_words,
@@ -64,8 +63,6 @@ def spoken(text):
 def test_numbers_are_written_as_python_writes_them():
     rng = np.random.default_rng(7)
     edges = [0, 1, -1, 9, 10, 99, 100, -100, 999, 1000, -1000, 1001, 9999, 10000, 99999, 100000, 999999, -999999]
-    thousandths = np.concatenate([edges, rng.integers(-999_999, 1_000_000, 20_000)]).astype(np.int32)
-    assert texts(coordinate_words(thousandths)) == [f"{n / 1000:.3f}" for n in thousandths.tolist()]
     steps = np.concatenate([edges, rng.integers(-(10**10) + 1, 10**10, 20_000), rng.integers(-(10**8), 10**8, 20_000)])
     assert texts(filament_words(steps)) == [f"{n / 1e5:.5f}" for n in steps.tolist()]
     feedrates = np.concatenate([np.arange(1, 2000), rng.integers(1, 100_000, 1000)]).astype(np.int32)

@@ -50,19 +50,6 @@ _LAST = words([str(n) for n in range(10)])
 _THOUSAND, _TEN = np.uint32(1000), np.uint32(10)
 
 
-def coordinate_words(thousandths: NDArray[np.int32]) -> tuple[WordArray, WordArray]:
-    """The text of numbers with 3 decimals, two words each.
-
-    Args:
-        thousandths: (N,) int32, the numbers times 1000, less than `COORDINATE_LIMIT` in size.
-    """
-    size = np.abs(thousandths).astype(np.uint32)
-    whole = size // _THOUSAND
-    size -= whole * _THOUSAND
-    whole += _THOUSAND * (thousandths < 0)
-    return _SIGNED.take(whole), _FRACTION.take(size)
-
-
 def filament_words(steps: IntArray) -> tuple[WordArray, WordArray, WordArray, WordArray]:
     """The text of numbers with 5 decimals, four words each.
 

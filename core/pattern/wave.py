@@ -159,11 +159,18 @@ def waved(
 
     at_once = max(CHORDS_AT_ONCE * len(count) // max(int(count.sum()), 1), 1)
     points, value, phase, loop, uv = in_chunks(chunk, np.arange(len(count)), rows=at_once)
+    return _outlines(lines, points, value, phase, loop, uv)
+
+
+def _outlines(
+    lines: Contours, points: FloatArray, value: FloatArray, phase: FloatArray, loop: IntArray, uv: FloatArray
+) -> WavedOutlines:
+    """Of K points: where, what `waved` holds of each in (K, 8) or (K, 9) columns, phase, contour and UVs."""
     return WavedOutlines(
         base=value[:, :2].copy(),
         points=points,
-        start=starts(np.bincount(loop, minlength=len(layer))),
-        layer=layer,
+        start=starts(np.bincount(loop, minlength=len(lines.layer))),
+        layer=lines.layer,
         polygon=lines.polygon,
         phase=phase,
         depth=value[:, 4].copy(),
@@ -171,7 +178,7 @@ def waved(
         tone=value[:, 6].copy(),
         uv=uv,
         width=value[:, 7].copy(),
-        swapped=None if swapped is None else value[:, 8] > 0.5,
+        swapped=value[:, 8] > 0.5 if value.shape[1] > 8 else None,
     )
 
 
