@@ -42,7 +42,7 @@ def bridges(inside: Shapes, found: Skins, outlines: Shapes, island_layer: IntArr
     """Find the skins that nothing lies under and that two sides hold.
 
     Args:
-        inside: (I,) the region to fill of each island, or somewhat more, as of `plain_fill`.
+        inside: (I,) the region to fill of each island, or somewhat more.
         found: the skins in it.
         outlines: (L,) cross-section of each layer, simplified by a twentieth of a millimetre or less.
         island_layer: (I,) layer of each island.

@@ -198,13 +198,9 @@ def _followed_images(
 
 def _images(lines: Contours, projector: Projector, point: IntArray, usable: BoolArray) -> FloatArray:
     """Arcs of the images of contour points on the layer above; NaN where none is near enough or carries the pattern."""
-    layer = lines.layer[lines.loop[point]]
-    above = np.full(len(point), np.nan)
-    asked = np.flatnonzero(layer < lines.layer.max(initial=0))
-    arc, distance = projector.project(lines.points[point[asked]], layer[asked] + 1)
-    found = np.isfinite(distance)
-    found[found] = usable[loop_of(lines, arc[found])]
-    above[asked[found]] = arc[found]
+    above = projector.above(lines.points[point], lines.layer[lines.loop[point]])
+    found = np.flatnonzero(~np.isnan(above))
+    above[found[~usable[loop_of(lines, above[found])]]] = np.nan
     return above
 
 

@@ -115,6 +115,14 @@ class Projector:
         arc, distance = in_chunks(self._project, query, layer)
         return arc, distance
 
+    def above(self, query: FloatArray, layer: IntArray) -> FloatArray:
+        """(Q,) arcs of the images of points (Q, 2) of layers (Q,) on the next ones; NaN where none is near enough."""
+        image = np.full(len(query), np.nan)
+        asked = np.flatnonzero(layer < self.lines.layer.max(initial=0))
+        arc, distance = self.project(query[asked], layer[asked] + 1)
+        image[asked] = np.where(np.isfinite(distance), arc, np.nan)
+        return image
+
     def _project(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, FloatArray]:
         point, asked = self._nearest_points(query, layer)
         arc, distance = np.zeros(len(query)), np.full(len(query), np.inf)

@@ -143,7 +143,7 @@ def polished(
     place, share = lines.arc[point], 1.0
     if effort.exact:
         place, point, share = np.concatenate([place, _midpoints(lines, point)]), np.tile(point, 2), 0.5
-        image = _projected(projector, place, point)
+        image = projector.above(projector.at(place), lines.layer[projector.loop[point]])
     else:
         image = grid.carried(lines, place, np.ones(len(point), dtype=bool))
     lower, upper, counted = _pairs(lines, waves, place, image, free)
@@ -185,16 +185,6 @@ def _midpoints(lines: Contours, point: IntArray) -> FloatArray:
     last = lines.start[1:] - 1
     end[last] = lines.arc_start[1:]
     return np.asarray((lines.arc[point] + end[point]) / 2)
-
-
-def _projected(projector: Projector, place: FloatArray, point: IntArray) -> FloatArray:
-    """The images of places, NaN where there is none; `point` are those before them."""
-    layer = projector.lines.layer[projector.loop[point]]
-    image = np.full(len(place), np.nan)
-    asked = np.flatnonzero(layer < projector.lines.layer.max(initial=0))
-    arc, distance = projector.project(projector.at(place[asked]), layer[asked] + 1)
-    image[asked] = np.where(np.isfinite(distance), arc, np.nan)
-    return image
 
 
 def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves, effort: Polish) -> tuple[BoolArray, IntArray]:

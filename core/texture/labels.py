@@ -14,7 +14,7 @@ from ..slicing.outlines import ranges
 from .islands import NO_ISLAND, LabelImage, complex_uv, components, corner_places, numbered, uv_areas
 
 _REPEATS = 4  # faces that cover a picture more often than this use it as a repeating pattern
-_CHUNK_ROWS, _CHUNK_TEXELS = 1 << 18, 1 << 20  # worked on at once
+_CHUNK_ROWS = 1 << 18  # worked on at once
 _OVERLAP_SHARE = 0.1  # of the smaller island; less is a rounded border or a sliver
 _MOST_KEYS = 1 << 61
 
