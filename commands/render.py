@@ -52,4 +52,4 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         read = read_print(args.file)
         shown = build_preview(read)
         save_strands(shown, paths, files, picture_options(args), progress, None, read.settings)
-    return [f"{args.file.name}: {sum(len(held.data.curves) for held in shown.objects)} strands"]
+    return [f"{args.file.name}: {read.summary}"]

@@ -7,7 +7,8 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ImportHelper
 
-from ..bridge.print_file import show_file
+from ..bridge.curves import build_preview
+from ..bridge.print_file import read_print
 from ..core.errors import PrintError
 
 
@@ -23,9 +24,10 @@ class DUALCOLOR_OT_import_print(ImportHelper, bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Read the file and build the strands."""
         try:
-            shown = show_file(Path(bpy.path.abspath(self.filepath)))
+            read = read_print(Path(bpy.path.abspath(self.filepath)))
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{shown.name}: {len(shown.objects)} objects")
+        build_preview(read)
+        self.report({"INFO"}, f"{read.name}: {read.summary}")
         return {"FINISHED"}

@@ -51,6 +51,15 @@ class ReadPrint:
     settings: PrintSettings
     moves: Moves
 
+    @property
+    def summary(self) -> str:
+        """Words that are nearly the same for both files of a print: layers, and metres of plastic laid down."""
+        lays = np.flatnonzero(self.moves.extrudes)
+        step = self.moves.position[lays] - self.moves.position[np.maximum(lays - 1, 0)]
+        metres = float(np.sqrt(np.einsum("ij,ij->i", step, step)).sum()) / 1000
+        layers = len(np.unique(self.moves.layer[lays]))
+        return f"{layers} {'layer' if layers == 1 else 'layers'}, {metres:.1f} m of strands"
+
 
 def read_gcode(data: bytes, name: str) -> ReadPrint:
     """Read a file: moves G0 and G1, counters (G92), tools (M135 or T), filament on A and B or on E.
