@@ -31,11 +31,6 @@ def orientations_of(source: bpy.types.Object) -> list[dict[str, Any]]:
     return kept_json(source.get(ORIENTATIONS_KEY), [])
 
 
-def forget_orientations(source: bpy.types.Object) -> None:
-    """Drop what was suggested."""
-    source.pop(ORIENTATIONS_KEY, None)
-
-
 def turn(source: bpy.types.Object, number: int) -> float:
     """Turn an object into one of its orientations, about its middle; its lowest point stays at its height.
 

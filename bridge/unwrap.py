@@ -14,7 +14,6 @@ from ..core.unwrapping import ChartOptions, PackOptions, unwrapping
 from .units import mm_per_unit
 
 UV_LAYER = "Dual-Color"
-METHODS = ("smart", "xatlas")
 
 
 def unwrap(obj: bpy.types.Object, method: str) -> None:

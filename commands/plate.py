@@ -8,7 +8,8 @@ from pathlib import Path
 
 from ..core.errors import SettingsError
 from ..core.outputs import OutputFiles, make_folder
-from ..core.picture_match import PERIOD_LAYERS, PictureMatch
+from ..core.pattern.modulation import PERIOD_LAYERS
+from ..core.picture_match import PictureMatch
 from ..core.picture_shapes import PictureShape, fitted, picture_plate
 from ..core.settings import PrintSettings
 from .arguments import add_settings, chosen_settings, positive

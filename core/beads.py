@@ -248,13 +248,3 @@ def _eased(share: FloatArray) -> FloatArray:
     clipped = np.clip(share, 0.0, 1.0)
     eased: FloatArray = clipped * clipped * (3.0 - 2.0 * clipped)
     return eased
-
-
-def volume_mm3(laid: Strands) -> FloatArray:
-    """(K,) mm³ of plastic in each strand: length × width × height, the width at a point being that of its line."""
-    lengths = _steps(laid.points)
-    lengths[laid.start[:-1]] = 0.0
-    areas = laid.width * np.repeat(laid.height, np.diff(laid.start))
-    if not len(laid):
-        return np.zeros(0)
-    return np.add.reduceat(lengths * areas, laid.start[:-1])

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from .model import FloatArray, ToneImage
+from .pattern.modulation import PERIOD_LAYERS
 from .picture_shapes import PictureShape, picture_tube
 from .presets import preset_values
 from .settings import PrintSettings
 
 _PAPER = "paper"
 _BANDS = 9  # of the phase shifted cylinder: from no shift over half a wave in its middle back to none
-_PERIOD_LAYERS = 4
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def _gradient(settings: PrintSettings, _layers: int) -> _Made:
 
 
 def _checkered(settings: PrintSettings, layers: int) -> _Made:
-    third = round(layers / 3 / _PERIOD_LAYERS) * _PERIOD_LAYERS
+    third = round(layers / 3 / PERIOD_LAYERS) * PERIOD_LAYERS
     return _as_in_the_paper(settings, {"mostly_white_below": third, "mostly_black_above": layers - third}), _even
 
 

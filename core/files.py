@@ -94,6 +94,6 @@ def _write_beside_and_rename(target: Path, data: bytes) -> None:
     try:
         temporary.write_bytes(data)
         os.replace(temporary, target)
-    except BaseException:
-        temporary.unlink(missing_ok=True)  # also after an interrupt nothing half made may stay
+    except BaseException:  # whatever it is is raised again: also after an interrupt nothing half made may stay
+        temporary.unlink(missing_ok=True)
         raise

@@ -7,12 +7,10 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from .model import BoolArray, Float32Array, FloatArray
+from .pattern.modulation import PERIOD_LAYERS
 from .pattern.wave import WavedOutlines
 from .settings import PrintSettings
 from .slicing.outlines import following
-
-PERIOD_LAYERS = 4
-"""The pattern repeats itself after two black and two white layers."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from .model import Float32Array, FloatArray
-from .picture_match import PERIOD_LAYERS, PictureMatch, averaged, enlarged, in_pixels
+from .pattern.modulation import PERIOD_LAYERS
+from .picture_match import PictureMatch, averaged, enlarged, in_pixels
 from .settings import PrintSettings
 from .viewing import Picture, contact_sheet, encoded
 

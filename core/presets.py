@@ -19,7 +19,7 @@ PRESETS = Path(__file__).resolve().parent.parent / "presets"
 # What the presets of each kind are about, by the groups of the settings.
 KINDS = {"printer": ("printer",), "filament": ("filament",), "quality": ("print",), "pattern": ("pattern", "texture")}
 GCODE_SUFFIXES = (".gcode", ".gco", ".g")
-_NAME = re.compile(r"\w[\w .+-]{0,60}")
+_NAME = re.compile(r"\w[\w .+-]{0,59}")
 
 
 @dataclass(frozen=True)

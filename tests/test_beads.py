@@ -4,9 +4,10 @@ import itertools
 
 import numpy as np
 import pytest
-from dualcolor.core.beads import Strands, sag_depth, semi_axes, settled, split_by_roundness, strands, volume_mm3
+from dualcolor.core.beads import Strands, sag_depth, semi_axes, settled, split_by_roundness, strands
 from dualcolor.core.spans import FARTHEST, unsupported_distance
 from dualcolor.core.toolpaths.moves import Feature, Moves
+from strand_volume import volume_mm3
 
 
 def table(rows: list[tuple]) -> Moves:

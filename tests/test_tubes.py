@@ -4,10 +4,11 @@ import itertools
 
 import numpy as np
 import pytest
-from dualcolor.core.beads import Strands, settled, volume_mm3
+from dualcolor.core.beads import Strands, settled
 from dualcolor.core.errors import OutputError, PrintError
 from dualcolor.core.mesh_files import write_mesh
 from dualcolor.core.tubes import SIDES, Rods, count, tubes
+from strand_volume import volume_mm3
 
 
 def rods(*lines, across=0.2, up=0.1) -> Rods:

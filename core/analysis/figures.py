@@ -18,7 +18,6 @@ from .overlay import (
     HEAT_STOPS,
     SHORT_COLOUR,
     TRACE_COLOUR,
-    Rgb,
     faded_curves,
     heat_colours,
     heat_curves,
@@ -26,11 +25,9 @@ from .overlay import (
     sample_points,
     trace_curves,
 )
-from .picture import Stroke, dots, draw
+from .picture import CLAY, Stroke, dots, draw
 from .slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
 from .study import NO_SEAMS, Analysis
-
-_CLAY: Rgb = (0.86, 0.85, 0.83)
 
 
 def heatmap(found: Analysis, view: tuple[float, float], pixels: int = 900) -> Picture:
@@ -87,7 +84,7 @@ def slope_picture(found: Analysis, view: tuple[float, float], pixels: int = 900)
 def slope_colours(found: Analysis) -> FloatArray:
     """(F, 3) sRGB of the faces."""
     angle = from_flat_deg(found.mesh)[:, None]
-    return np.where(angle < GONE_DEG, GONE_COLOUR, np.where(angle < DEGRADED_DEG, DEGRADED_COLOUR, _CLAY))
+    return np.where(angle < GONE_DEG, GONE_COLOUR, np.where(angle < DEGRADED_DEG, DEGRADED_COLOUR, CLAY))
 
 
 def _guards(found: Analysis) -> list[Stroke]:

@@ -14,13 +14,15 @@ from ..viewing import Picture
 from .overlay import Rgb, SurfaceCurves
 from .surface_points import points_on_faces
 
+CLAY: Rgb = (0.86, 0.85, 0.83)
+"""Faces that nothing is said about."""
+
 _OVERSAMPLING = 2
 _STEP_PIXELS = 0.7
 _FACES_AT_ONCE = 4096
 _MARGIN = 0.04
 _BIAS_MM = 0.4
 _DEPTH_STEP_MM = 1e-3
-_CLAY = (0.86, 0.85, 0.83)
 _PAPER = (1.0, 1.0, 1.0)
 _LIGHT = (-0.35, 0.45, 0.82)  # to the right, up, towards the viewer
 _AMBIENT = 0.45
@@ -144,7 +146,7 @@ def _shaded(
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None]
     light = np.array(_LIGHT) / np.linalg.norm(_LIGHT)
     bright = _AMBIENT + (1 - _AMBIENT) * np.maximum(normal @ camera.axes.T @ light, 0.0)
-    colours = np.broadcast_to(_CLAY, normal.shape) if face_colours is None else face_colours
+    colours = np.broadcast_to(CLAY, normal.shape) if face_colours is None else face_colours
     palette = np.concatenate([bright[:, None] * colours, [_PAPER]]).astype(np.float32)
     return np.asarray(palette[face])
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import CalibrationError
-from ..model import FloatArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from .about import About, tone_settings
 from .homography import projected, square_to
@@ -150,7 +150,7 @@ def patch_means(photo: Photograph, marks: FloatArray, size: Patches) -> tuple[Fl
     return _without_outliers(pieces)
 
 
-def _check_exposure(is_full: FloatArray, number: FloatArray) -> None:
+def _check_exposure(is_full: BoolArray, number: IntArray) -> None:
     full = np.bincount(number, is_full, minlength=ROWS * COLUMNS)
     share = full / np.maximum(np.bincount(number, minlength=ROWS * COLUMNS), 1)
     most = float(share[references()[0].ravel()].max())
@@ -161,7 +161,7 @@ def _check_exposure(is_full: FloatArray, number: FloatArray) -> None:
 
 
 def _pieces(
-    off: FloatArray, pixel_mm: float, light: FloatArray, area: FloatArray, number: FloatArray, size: Patches
+    off: FloatArray, pixel_mm: float, light: FloatArray, area: FloatArray, number: IntArray, size: Patches
 ) -> FloatArray:
     """(P, 45) mean of each piece of each patch: a period high, half of what is read wide, faded to both sides."""
     means = []

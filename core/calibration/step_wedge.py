@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, ToneImage
-from ..picture_match import PERIOD_LAYERS
+from ..pattern.modulation import PERIOD_LAYERS
 from ..picture_shapes import PictureShape, picture_plate
 from ..settings import PrintSettings
 

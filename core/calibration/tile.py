@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import FloatArray, SurfaceModel, ToneImage
+from ..pattern.modulation import PERIOD_LAYERS
 
 DEPTH_MM = 4.0
-PERIOD_LAYERS = 4
-"""After so many layers the pattern repeats: two colours, two phases."""
 
 _EDGE_MM = 5.0  # between the tones and the tile's edges, which are lit and printed otherwise
 _LEAST_MEASURED_MM = 4.0

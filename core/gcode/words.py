@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import PrintError
+from ..files import MOST_PRINT_BYTES
 from ..model import FloatArray, IntArray
 
 LETTERS = "XYZABEFT"
@@ -17,7 +18,6 @@ _COLUMN = np.full(256, -1, dtype=np.int64)
 for _number, _letter in enumerate(LETTERS):
     _COLUMN[ord(_letter)] = _number
 _CHUNK_BYTES = 1 << 22
-_MOST_BYTES = 400_000_000
 _MOST_LINES = 8_000_000  # keeps the tables within a gigabyte
 _HINT = "export the print again"
 _NOT_WORDS = re.compile(rb";[^\n]*|\([^)\n]*\)|\bM(?:70|117|118)\b[^\n]*")
@@ -63,7 +63,7 @@ def read_words(data: bytes) -> Words:
     if not data.strip():
         raise PrintError("the G-code file is empty", _HINT)
     lines = data.count(b"\n") + 1
-    if len(data) > _MOST_BYTES or lines > _MOST_LINES:
+    if len(data) > MOST_PRINT_BYTES or lines > _MOST_LINES:
         raise PrintError(f"the G-code file is too long: {len(data) / 1e6:.0f} MB, {lines} lines", "divide the print")
     parts = []
     comments: list[tuple[int, str]] = []

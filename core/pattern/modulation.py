@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import BoolArray, FloatArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
+
+PERIOD_LAYERS = 4
+"""After so many layers the pattern repeats: two colours, two phases."""
 
 _DEEPEST = 3.0  # mm, of the waves whose reach is worked out
 
@@ -107,12 +110,12 @@ def faded(
     return np.minimum(depth, 2 * np.minimum(room_outside, room_inside - set_back)), set_back
 
 
-def layer_sign(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> FloatArray:
+def layer_sign(layer: IntArray) -> FloatArray:
     """+1 or −1 for each layer: + − − +, so that the phase flips after every pair (paper, section 3.1)."""
     return np.where((layer + 1) // 2 % 2 == 0, 1.0, -1.0)
 
 
-def layer_shift(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]], settings: PrintSettings) -> FloatArray:
+def layer_shift(layer: IntArray, settings: PrintSettings) -> FloatArray:
     """How far the waves of each layer are shifted where white ones are shifted against black ones (paper, Figure 3c).
 
     Args:
@@ -126,7 +129,7 @@ def layer_shift(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]], settings
     return np.where(layer_is_black(layer, settings), 0.0, eighths * (np.pi / 4))
 
 
-def layer_is_black(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]], settings: PrintSettings) -> BoolArray:
+def layer_is_black(layer: IntArray, settings: PrintSettings) -> BoolArray:
     """Whether each layer is printed with the black filament: the even ones are, or one or three of four.
 
     Args:
@@ -135,7 +138,7 @@ def layer_is_black(layer: np.ndarray[tuple[int, ...], np.dtype[np.int64]], setti
     """
     is_black = layer % 2 == 0
     if settings.mostly_white_below:
-        is_black = is_black & ((layer >= settings.mostly_white_below) | (layer % 4 == 0))
+        is_black = is_black & ((layer >= settings.mostly_white_below) | (layer % PERIOD_LAYERS == 0))
     if settings.mostly_black_above:
-        is_black = is_black | ((layer >= settings.mostly_black_above) & (layer % 4 == 3))
+        is_black = is_black | ((layer >= settings.mostly_black_above) & (layer % PERIOD_LAYERS == 3))
     return np.asarray(is_black)

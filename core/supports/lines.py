@@ -52,6 +52,8 @@ def interface(found: Shapes, contact: Shapes, settings: PrintSettings) -> Shapes
         settings: `support_interface_layers` and `support_interface_spacing` are used.
     """
     count, layers = len(found), settings.support_interface_layers
+    if not layers:
+        return nothing(count)
     rows = np.arange(count)[:, None] + np.arange(layers)
     near = np.append(contact, shapely.Polygon())[np.minimum(rows, count)]
 
@@ -63,8 +65,6 @@ def interface(found: Shapes, contact: Shapes, settings: PrintSettings) -> Shapes
         close[some] = intersection(areas[some], whole)
         return (close,)
 
-    if not layers:
-        return nothing(count)
     (close,) = in_chunks(chunk, found, near)
     return close
 

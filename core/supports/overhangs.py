@@ -50,7 +50,8 @@ def contacts(cut: Slices, settings: PrintSettings, wished: Marks | None = None) 
 
     Args:
         cut: the slices.
-        settings: `support_auto`, `support_threshold_angle`, `support_z_distance` and `layer_height` are used.
+        settings: `support_auto`, `support_threshold_angle`, the distances of supports, `layer_height`,
+            `extrusion_width` and `wave_depth_max` are used.
         wished: where supports are enforced and blocked.
     """
     gap = round(settings.support_z_distance / settings.layer_height)

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from ..fill.parallel import Shapes, in_chunks
-from ..model import FloatArray
+from ..model import FloatArray, IntArray
 
 GRID_MM = 0.01
 """Vertices of supports lie on this grid: overlays on it are exact, whatever the shapes have in common."""
@@ -42,7 +42,7 @@ def nothing(count: int) -> Shapes:
     return np.full(count, shapely.MultiPolygon(), dtype=object)
 
 
-def gathered(parts: Shapes, owner: np.ndarray[tuple[int, ...], np.dtype[np.int64]], count: int) -> Shapes:
+def gathered(parts: Shapes, owner: IntArray, count: int) -> Shapes:
     """(N,) multipolygons of the parts by their owners, which are sorted; parts of one owner do not overlap."""
     whole = nothing(count)
     if len(parts):

@@ -18,17 +18,6 @@ LabelImage = NDArray[np.signedinteger[Any]]
 """Numbers of islands, of as few bytes as their count allows."""
 
 
-def uv_islands(mesh: TriangleMesh) -> IntArray:
-    """Island of each face (F,), numbered from 0 over all textures; `NO_ISLAND` without a texture.
-
-    Faces belong together where they share a vertex at the same UV and use the same texture.
-    """
-    island = np.full(len(mesh.faces), NO_ISLAND, dtype=np.int64)
-    faces = np.flatnonzero(mesh.face_texture >= 0)
-    island[faces] = numbered(components(corner_places(mesh, faces)))
-    return island
-
-
 def corner_places(mesh: TriangleMesh, faces: IntArray) -> IntArray:
     """(T, 3) the place in the textures at each corner of T faces: as a rule the vertex, at seams more than one.
 

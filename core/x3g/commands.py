@@ -12,7 +12,6 @@ import numpy as np
 
 AXES = 5  # X, Y, Z, A, B; bit n of an axes field is axis n
 FILAMENT_AXES = 0b11000
-SOUND_DONE = 1
 POLL_MS = 100
 NO_TIMEOUT_S = 0xFFFF
 HOMING_TIMEOUT_S = 20

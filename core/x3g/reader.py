@@ -22,7 +22,6 @@ _MAX_TEXT = 256
 _ALIKE = 4096  # commands of the same kind that are looked for at once
 _POSITIONED = (Command.MOVE, Command.MOVE_UNPLANNED, Command.MOVE_TIMED, Command.SET_POSITION)
 _UNKNOWING = (Command.HOME_MINIMUM, Command.HOME_MAXIMUM, Command.RECALL_HOME)
-_ALL_AXES = (1 << AXES) - 1
 _MOST_STEPS = 2**30  # so that differences fit too
 _MOST_COMMANDS = 5_000_000  # keeps the tables within some hundred MB
 _HINT = "export the print again"

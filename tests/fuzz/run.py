@@ -51,7 +51,7 @@ def fuzzed(name: str, seconds: float, seed: int, most: int = sys.maxsize) -> Out
             outcome.refused += 1
             if "\n" in str(problem) or len(str(problem)) > 600:
                 outcome.findings["a message that is no sentence"] = data
-        except Exception as bug:  # whatever it is, it is a finding
+        except Exception as bug:  # whatever a reader raises but a PrintError is what is looked for
             place = traceback.extract_tb(bug.__traceback__)[-1]
             outcome.findings[f"{type(bug).__name__} in {place.name}, line {place.lineno}"] = data
         else:

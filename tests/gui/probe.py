@@ -70,7 +70,7 @@ def _answer() -> float:
         question.unlink()
         try:
             found: dict[str, Any] = {"value": eval(text)}  # the test is the only one who asks
-        except Exception:
+        except Exception:  # a timer that raises would be removed, and the test would wait: it is told instead
             found = {"error": traceback.format_exc()}
         (FOLDER / "answer.part").write_text(json.dumps(found), encoding="utf-8")
         (FOLDER / "answer.part").rename(FOLDER / "answer")
