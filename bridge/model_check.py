@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import bmesh
 import bpy
+from mathutils import Matrix
 from mathutils.bvhtree import BVHTree
 
 from .units import mm_per_unit
@@ -63,7 +64,7 @@ def check_steps(obj: bpy.types.Object, least_wall_mm: float) -> Generator[float,
     mesh = bmesh.new()
     try:
         mesh.from_mesh(obj.data)
-        mesh.transform(obj.matrix_world)
+        _place(mesh, obj.matrix_world)
         for table in (mesh.verts, mesh.edges, mesh.faces):
             table.ensure_lookup_table()
         found = Findings()
@@ -123,6 +124,14 @@ def repair(obj: bpy.types.Object, merge_mm: float, largest_hole_sides: int) -> s
         mesh.free()
     obj.data.update()
     return f"{merged} vertices merged, {len(loose)} loose ones removed, {filled} holes filled, faces turned outwards"
+
+
+def _place(mesh: bmesh.types.BMesh, matrix: Matrix) -> None:
+    """Move a mesh to where its object stands, its faces looking out of a mirrored one as they are printed."""
+    mesh.transform(matrix)
+    if matrix.determinant() < 0:
+        bmesh.ops.reverse_faces(mesh, faces=mesh.faces)
+    mesh.normal_update()  # the transform leaves the normals as they were
 
 
 def _flipped(mesh: bmesh.types.BMesh) -> list[int]:

@@ -50,6 +50,19 @@ def test_a_plate_is_a_thin_wall_by_its_thickness():
     assert not found_on(plate, 0.6).thin_faces
 
 
+@pytest.mark.parametrize("turn", [(90, 0, 0), (0, 90, 0), (180, 0, 0), (50, 20, 130)])
+@pytest.mark.parametrize("scale", [(1, 1, 1), (-1, 1, 1), (2, -3, 0.5), (-1, -1, -1)])
+def test_what_is_found_does_not_depend_on_how_an_object_is_turned_and_mirrored(turn, scale):
+    plate = add_box((10, 10, 0.7 / abs(scale[2])))
+    turned = add_mesh(CUBE * 10, [face[::-1] if index == 3 else face for index, face in enumerate(CUBE_FACES)])
+    for obj in (plate, turned):
+        obj.rotation_euler, obj.scale = np.radians(turn), scale
+    bpy.context.view_layer.update()
+    found = found_on(plate, 0.8)
+    assert len(found.thin_faces) == 2 and not found.flipped_faces and not found_on(plate, 0.6).thin_faces
+    assert found_on(turned).flipped_faces == [3]
+
+
 def test_two_cubes_on_one_edge_branch_there():
     corners = np.concatenate([CUBE * 10, CUBE * 10 + [10, 10, 0]])
     faces = [*CUBE_FACES, *(tuple(corner + 8 for corner in face) for face in CUBE_FACES)]
