@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
 
 import bmesh
 import bpy
 import numpy as np
 
-from ..core.errors import TextureError
+from ..core.errors import MeshError, TextureError
 from ..core.model import Float32Array
 from ..core.progress import drained
 from ..core.texture.decode import linear_from_srgb, srgb_from_linear
+from .image_input import image_pixels, is_encoded
+from .mesh_input import NO_FACES_HINT
 from .units import mm_per_unit
 
 SAMPLES = 20
 DISTANCE_MM = 25.0
+_NAME = "Ambient occlusion"  # of all that is made for it
 _ATTRIBUTE = "Occlusion"
 _LEAST_VERTICES = 5_000  # coarser meshes are cut finer: occlusion is found at vertices, which is quick
 _MARGIN = 8
@@ -39,21 +43,10 @@ def occlusion_steps(
         (H, W) light that arrives: 1 in the open, 0 where there is none.
 
     Raises:
+        MeshError: there are no faces.
         TextureError: there is no UV map.
     """
-    scene = bpy.data.scenes.new("Ambient occlusion")
-    copy, unit = _fine_copy(obj), mm_per_unit(bpy.context.scene)
-    material = bpy.data.materials.new("Ambient occlusion")
-    image = bpy.data.images.new("Ambient occlusion", *size, float_buffer=True, is_data=True)
-    image.generated_color = (1.0, 1.0, 1.0, 1.0)  # between the charts
-    try:
-        if not copy.data.uv_layers:
-            raise TextureError(f"{obj.name} has no UV map", "unwrap it first")
-        scene.collection.objects.link(copy)
-        scene.world = bpy.data.worlds.new("Ambient occlusion")
-        scene.world.light_settings.distance = distance_mm / unit
-        scene.render.engine = "CYCLES"
-        _dress(copy, material, image)
+    with _set_up(obj, size, distance_mm) as (scene, copy, image):
         yield 0.1
         scene.cycles.samples = samples
         _bake(scene, copy, type="AO", target="VERTEX_COLORS")
@@ -63,15 +56,6 @@ def occlusion_steps(
         pixels = np.empty(size[0] * size[1] * 4, dtype=np.float32)
         image.pixels.foreach_get(pixels)
         return np.clip(pixels.reshape(size[1], size[0], 4)[..., 0], 0.0, 1.0)
-    finally:
-        world, mesh = scene.world, copy.data
-        bpy.data.objects.remove(copy)
-        bpy.data.scenes.remove(scene)
-        bpy.data.meshes.remove(mesh)
-        bpy.data.materials.remove(material)
-        bpy.data.images.remove(image)
-        if world:
-            bpy.data.worlds.remove(world)
 
 
 def occlusion(
@@ -92,39 +76,68 @@ def darkened(image: bpy.types.Image, shade: Float32Array, strength: float) -> bp
     Raises:
         TextureError: the picture has no pixels.
     """
-    width, height = image.size
-    if not width or not height:
-        raise TextureError(f"{image.name} has no pixels", "is its file still there?")
-    pixels = np.empty(width * height * 4, dtype=np.float32)
-    image.pixels.foreach_get(pixels)
-    colour = pixels.reshape(height, width, 4)
+    pixels = image_pixels(image)
+    colours = pixels[..., : 3 if pixels.shape[2] > 2 else 1]
     light = (1.0 - strength * (1.0 - shade))[..., None]
-    is_linear = image.is_float or image.colorspace_settings.name != "sRGB"
-    colour[..., :3] = (
-        colour[..., :3] * light if is_linear else srgb_from_linear(linear_from_srgb(colour[..., :3]) * light)
-    )
+    colours[:] = srgb_from_linear(linear_from_srgb(colours) * light) if is_encoded(image) else colours * light
     made = image.copy()
     made.name = f"{image.name} Occlusion"
-    made.pixels.foreach_set(pixels)
+    made.pixels.foreach_set(pixels.ravel())
     made.pack()
     return made
 
 
+@contextmanager
+def _set_up(
+    obj: bpy.types.Object, size: tuple[int, int], distance_mm: float
+) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object, bpy.types.Image]]:
+    """A scene with nothing but a copy of the object, and the picture that it bakes into; all gone afterwards."""
+    copy, unit = _fine_copy(obj), mm_per_unit(bpy.context.scene)
+    scene, world = bpy.data.scenes.new(_NAME), bpy.data.worlds.new(_NAME)
+    material = bpy.data.materials.new(_NAME)
+    image = bpy.data.images.new(_NAME, *size, float_buffer=True, is_data=True)
+    image.generated_color = (1.0, 1.0, 1.0, 1.0)  # between the charts
+    try:
+        if not copy.data.uv_layers:
+            raise TextureError(f"{obj.name} has no UV map", "unwrap it first")
+        scene.collection.objects.link(copy)
+        scene.world = world
+        world.light_settings.distance = distance_mm / unit
+        scene.render.engine = "CYCLES"
+        _dress(copy, material, image)
+        yield scene, copy, image
+    finally:
+        mesh = copy.data
+        bpy.data.objects.remove(copy)
+        bpy.data.scenes.remove(scene)
+        bpy.data.meshes.remove(mesh)
+        bpy.data.materials.remove(material)
+        bpy.data.images.remove(image)
+        bpy.data.worlds.remove(world)
+
+
 def _fine_copy(obj: bpy.types.Object) -> bpy.types.Object:
-    """The object as it is printed, without materials, cut finer if it has few vertices; in no scene."""
+    """The object as it is printed, without materials, cut finer if it has few vertices; in no scene.
+
+    Raises:
+        MeshError: there are no faces.
+    """
     depsgraph = bpy.context.evaluated_depsgraph_get()
     mesh = bpy.data.meshes.new_from_object(
         obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
     )
+    if not len(mesh.polygons):
+        bpy.data.meshes.remove(mesh)
+        raise MeshError(f"{obj.name} has no faces", NO_FACES_HINT)
     mesh.materials.clear()
     work = bmesh.new()
     work.from_mesh(mesh)
     bmesh.ops.triangulate(work, faces=work.faces)
-    while 0 < len(work.verts) < _LEAST_VERTICES:
+    while len(work.verts) < _LEAST_VERTICES:
         bmesh.ops.subdivide_edges(work, edges=work.edges, cuts=1, use_grid_fill=True)
     work.to_mesh(mesh)
     work.free()
-    copy = bpy.data.objects.new("Ambient occlusion", mesh)
+    copy = bpy.data.objects.new(_NAME, mesh)
     copy.matrix_world = obj.matrix_world
     return copy
 

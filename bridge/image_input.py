@@ -63,22 +63,47 @@ def image_colours(image: bpy.types.Image) -> tuple[Float32Array, Float32Array]:
     return linear_colours(rgba, encoded, premultiplied), np.clip(rgba[..., 3], 0.0, 1.0)
 
 
-def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
-    """(H, W, 4) as stored, whether colours are sRGB-encoded, and whether they are multiplied by alpha."""
-    if image.source == "TILED" and len(image.tiles) > 1:
-        raise TextureError(f"the image {image.name} has several tiles", "bake them into a single image")
+def image_size(image: bpy.types.Image) -> tuple[int, int]:
+    """Width and height in texels.
+
+    Raises:
+        TextureError: the image has no pixels, or claims more than any picture has.
+    """
     if not image.has_data:  # asking for the size would decode it
         check_texels(image.name, _texels_undecoded(image))
     width, height = image.size
     if not width or not height:
         raise TextureError(f"the image {image.name} has no pixels", "its file may be missing: reload or replace it")
+    return width, height
+
+
+def image_pixels(image: bpy.types.Image) -> Float32Array:
+    """(H, W, 1 to 4) as stored.
+
+    Raises:
+        TextureError: the image has no pixels, or claims more than any picture has.
+    """
+    width, height = image_size(image)
     pixels = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(pixels)
-    rgba = _as_rgba(pixels.reshape(height, width, image.channels))
-    if image.alpha_mode in ("NONE", "CHANNEL_PACKED"):
+    return pixels.reshape(height, width, image.channels)
+
+
+def is_encoded(image: bpy.types.Image) -> bool:
+    """Whether an image's colours are sRGB-encoded: bytes are, unless their colour space is a linear one."""
+    return not image.is_float and image.colorspace_settings.name not in RAW_COLOUR_SPACES
+
+
+def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
+    """(H, W, 4) as stored, whether colours are sRGB-encoded, and whether they are multiplied by alpha."""
+    if image.source == "TILED" and len(image.tiles) > 1:
+        raise TextureError(f"the image {image.name} has several tiles", "bake them into a single image")
+    rgba = _as_rgba(image_pixels(image))
+    covers = image.alpha_mode in ("STRAIGHT", "PREMUL")
+    if not covers:
         rgba[..., 3] = 1.0
-    encoded = not image.is_float and image.colorspace_settings.name not in RAW_COLOUR_SPACES
-    return rgba, encoded, image.is_float and image.alpha_mode == "STRAIGHT"
+    # Blender multiplies what is straight in the file when it reads it, and divides what is bytes.
+    return rgba, is_encoded(image), image.is_float and covers
 
 
 def _texels_undecoded(image: bpy.types.Image) -> int:
@@ -90,7 +115,7 @@ def _texels_undecoded(image: bpy.types.Image) -> int:
     return 0
 
 
-def _as_rgba(pixels: np.ndarray) -> np.ndarray:
+def _as_rgba(pixels: Float32Array) -> Float32Array:
     """(H, W, 4) from (H, W, 1 to 4): grey is repeated, missing alpha is 1."""
     channels = pixels.shape[2]
     if channels == 4:

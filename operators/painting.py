@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..bridge.ambient_occlusion import DISTANCE_MM, SAMPLES, darkened, occlusion_steps
+from ..bridge.image_input import image_size
 from ..bridge.painting import (
     exchange_picture,
     give_picture,
@@ -143,7 +144,7 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         obj = context.object
         former = picture_of(obj)
         texel = obj.dualcolor.layer_height / 2
-        size = tuple(former.size) if former else (picture_size(obj, texel),) * 2
+        size = image_size(former) if former else (picture_size(obj, texel),) * 2
         job = occlusion_steps(obj, size, self.distance, self.samples)
         shade = yield from retold(job, lambda share: (share, "baking ambient occlusion"))
         image = former or give_picture(obj, texel, 1.0)

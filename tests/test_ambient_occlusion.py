@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.ambient_occlusion import darkened, occlusion, occlusion_steps  # noqa: E402
-from dualcolor.core.errors import TextureError  # noqa: E402
+from dualcolor.core.errors import MeshError, TextureError  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb  # noqa: E402
 from scene import add_box, add_mesh, add_uvs, flat_image  # noqa: E402
 
@@ -59,6 +59,17 @@ def test_stopped_in_between_nothing_is_left(corner):
 def test_without_a_uv_map_it_says_so():
     with pytest.raises(TextureError, match="no UV map"):
         occlusion(add_box((9, 9, 9)), (16, 16))
+
+
+def test_an_object_of_which_its_modifiers_leave_no_face_is_refused():
+    """Cutting what has no edges finer would never end."""
+    box = add_box((9, 9, 9))
+    add_uvs(box)
+    box.modifiers.new("Mask", "MASK").vertex_group = box.vertex_groups.new(name="none").name
+    before = counts()
+    with pytest.raises(MeshError, match="has no faces"):
+        occlusion(box, (16, 16))
+    assert counts() == before
 
 
 def test_darkened_multiplies_light_and_keeps_alpha():

@@ -223,38 +223,6 @@ def test_colours_that_are_no_numbers_count_as_unpainted():
     np.testing.assert_allclose(model.corner_tone, np.where(model.corner_vertex == 3, 0.25, 1.0))
 
 
-@pytest.mark.parametrize(("options", "tone"), [({}, GREY_LINEAR), ({"is_data": True}, 0.5), ({"is_float": True}, 0.5)])
-def test_images_are_decoded_by_kind_and_colour_space(options, tone):
-    fresh()
-    box = add_box()
-    add_uvs(box)
-    model = model_of(box, image=flat_image((0.5, 0.5, 0.5, 1), **options))
-    np.testing.assert_allclose(model.textures[0].tone, tone, atol=2.5e-3)
-
-
-def test_alpha_means_coverage_unless_the_image_says_otherwise():
-    fresh()
-    box = add_box()
-    add_uvs(box)
-    image = flat_image((1, 1, 1, 0.0))
-    assert model_of(box, image=image).textures[0].alpha.max() == 0
-    image.alpha_mode = "CHANNEL_PACKED"
-    assert model_of(box, image=image).textures[0].alpha.min() == 1
-
-
-def test_pixels_keep_their_place():
-    fresh()
-    box = add_box()
-    add_uvs(box)
-    image = flat_image((0, 0, 0, 1))
-    pixels = np.zeros((4, 4, 4), dtype=np.float32)
-    pixels[..., 3] = 1
-    pixels[0, 3, :3] = 1  # bottom right
-    image.pixels.foreach_set(pixels.ravel())
-    tone = model_of(box, image=image).textures[0].tone
-    assert tone[0, 3] == 1 and tone.sum() == 1
-
-
 def test_no_uvs_for_a_picture_is_said():
     fresh()
     box = add_box()
@@ -262,17 +230,6 @@ def test_no_uvs_for_a_picture_is_said():
         model_of(box, image=flat_image((1, 1, 1, 1)))
     add_material(box, flat_image((1, 1, 1, 1), "own"))
     with pytest.raises(TextureError, match="box has no UV map for the image own"):
-        model_of(box)
-
-
-def test_missing_picture_is_said():
-    fresh()
-    box = add_box()
-    add_uvs(box)
-    image = flat_image((1, 1, 1, 1), "lost")
-    image.source, image.filepath = "FILE", "/nowhere/lost.png"
-    add_material(box, image)
-    with pytest.raises(TextureError, match="the image lost has no pixels"):
         model_of(box)
 
 
