@@ -36,6 +36,7 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
 
     Raises:
         MeshError: the object has no faces.
+        TextureError: its UV map has no area.
     """
     if not obj.data.uv_layers:
         smart_project(obj)

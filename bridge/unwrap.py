@@ -14,6 +14,7 @@ from ..core.unwrapping import ChartOptions, PackOptions, unwrapping
 from .units import mm_per_unit
 
 UV_LAYER = "Dual-Color"
+_MOST_UV_MAPS = 8  # that Blender lets a mesh have
 
 
 def unwrap(obj: bpy.types.Object, method: str) -> None:
@@ -25,7 +26,7 @@ def unwrap(obj: bpy.types.Object, method: str) -> None:
             polygons into triangles.
 
     Raises:
-        MeshError: the object is no mesh or has no faces.
+        MeshError: the object is no mesh, has no faces, or no room for another UV map.
         PrintError: xatlas is not installed.
     """
     if method == "smart":
@@ -44,7 +45,7 @@ def unwrap_steps(obj: bpy.types.Object, chart: ChartOptions, pack: PackOptions) 
         pack: how to pack the charts.
 
     Raises:
-        MeshError: the object is no mesh or has no faces, or xatlas cannot unwrap it.
+        MeshError: the object is no mesh, has no faces, no room for another UV map, or xatlas cannot unwrap it.
         PrintError: xatlas is not installed.
     """
     _check(obj)
@@ -68,7 +69,7 @@ def smart_project(obj: bpy.types.Object) -> None:
     """Unwrap with Blender's Smart UV Project.
 
     Raises:
-        MeshError: the object is no mesh or has no faces.
+        MeshError: the object is no mesh, has no faces, or no room for another UV map.
     """
     _check(obj)
     _new_layer(obj.data)
@@ -87,6 +88,8 @@ def smart_project(obj: bpy.types.Object) -> None:
 def _check(obj: bpy.types.Object) -> None:
     if obj.type != "MESH" or not len(obj.data.polygons):
         raise MeshError(f"{obj.name} has no faces to unwrap", "choose a mesh object")
+    if len(obj.data.uv_layers) >= _MOST_UV_MAPS:
+        raise MeshError(f"{obj.name} has no room for another UV map", "remove one of its UV maps")
 
 
 def _scale(obj: bpy.types.Object) -> float:
@@ -96,8 +99,6 @@ def _scale(obj: bpy.types.Object) -> float:
 
 def _new_layer(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer:
     layer = mesh.uv_layers.new(name=UV_LAYER, do_init=False)
-    if layer is None:
-        raise MeshError(f"{mesh.name} has no room for another UV map", "remove one of its UV maps")
     layer.active = layer.active_render = True
     return layer
 

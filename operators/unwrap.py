@@ -10,6 +10,7 @@ import bpy
 
 from ..bridge.properties import repaint_proof
 from ..bridge.unwrap import smart_project, unwrap_steps
+from ..core.errors import PrintError
 from ..core.unwrapping import ChartOptions, PackOptions
 from .job import JobOperator, Steps
 from .polls import has_own_mesh
@@ -101,7 +102,11 @@ class DUALCOLOR_OT_unwrap_smart(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Unwrap the active object."""
-        smart_project(context.object)
+        try:
+            smart_project(context.object)
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
         repaint_proof(context.object)
         return {"FINISHED"}
 

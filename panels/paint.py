@@ -72,8 +72,8 @@ def hints(obj: bpy.types.Object) -> list[str]:
         found.append("No image yet: all prints in the background tone")
     elif picture is None:
         found.append(f"No image: prints the color attribute {painted.name} (Vertex Paint)")
-    elif picture is not None and not obj.data.uv_layers:
+    elif not obj.data.uv_layers:
         found.append("The image needs a UV map: unwrap first")
-    elif picture is not None and not obj.dualcolor.image:
+    elif not obj.dualcolor.image:
         found.append(f"Prints the material's image {picture.name}")
     return found

@@ -123,6 +123,17 @@ def test_unwrapping_fills_the_square_and_keeps_the_old_map(registered):
     assert len(box.data.polygons) == 12
 
 
+@pytest.mark.parametrize("name", ["unwrap_smart", "unwrap_xatlas"])
+def test_a_mesh_with_as_many_uv_maps_as_there_may_be_is_left_as_it_is(registered, name):
+    box = add_box((10, 10, 10))
+    for number in range(8):
+        add_uvs(box, name=f"map {number}")
+    with pytest.raises(RuntimeError, match="no room for another UV map") as refused:
+        getattr(bpy.ops.dualcolor, name)()
+    assert "Traceback" not in str(refused.value) and box.mode == "OBJECT"
+    assert len(box.data.polygons) == 6 and len(box.data.uv_layers) == 8
+
+
 def test_unwrapping_dropped_half_way_leaves_the_mesh_alone(registered):
     pytest.importorskip("xatlas")
     from dualcolor.bridge.unwrap import unwrap_steps
