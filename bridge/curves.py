@@ -15,7 +15,7 @@ from ..core.model import FloatArray, IntArray, TriangleMesh
 from ..core.strand_marks import marks, moves_of_layers, tone_of_moves
 from .mesh_input import evaluated_mesh
 from .plastics import plastic
-from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers
+from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers, strands_in
 from .units import mm_per_unit
 
 if TYPE_CHECKING:
@@ -261,7 +261,7 @@ def _strand_object(
 
 def _replace_strands(collection: bpy.types.Collection, new: list[bpy.types.Object], name: str) -> None:
     """Take the former strands out of the collection and put the new ones in; whatever else it holds stays."""
-    for former in [held for held in collection.objects if held.get(STRANDS_KEY)]:
+    for former in strands_in(collection):
         data = former.data
         bpy.data.objects.remove(former)
         if not data.users:

@@ -21,16 +21,13 @@ from ..core.beads import settled, strands
 from ..core.errors import PrintError
 from ..core.model import Float32Array, FloatArray
 from ..core.settings import PrintSettings
-from ..core.toolpaths.moves import Feature, Moves
+from ..core.toolpaths.moves import Moves
 from .curves import draws_straight, read_strands, set_drawing, strand_objects
-from .render import leaving_no_trace
+from .render import BESIDE_THE_OBJECT, leaving_no_trace
 from .render_rods import render_rods
 from .studio import camera_axes
 
 LIGHTS = ("even", "lamp")
-OBJECT_FEATURES = (Feature.OUTER_WALL, Feature.INNER_WALL, Feature.SKIN, Feature.INFILL)
-"""What the object itself is made of; tower, skirt and supports are not photographed."""
-
 _LAMP_SHARE = 0.5
 _LAMP_FROM_NORMAL_RAD = math.radians(45.0)
 _LAMP_SIZE_RAD = math.radians(10.0)
@@ -137,6 +134,8 @@ class Stand:
 def mounted(moves: Moves, settings: PrintSettings, face: Face, light: str = "even") -> Iterator[Stand]:
     """A print set up before the camera, in a scene of its own that is gone afterwards; nothing else is changed.
 
+    Only the object itself is: tower, skirt and supports are left out.
+
     Args:
         moves: of the print.
         settings: sag and black_tool are used.
@@ -147,7 +146,7 @@ def mounted(moves: Moves, settings: PrintSettings, face: Face, light: str = "eve
         PrintError: the print has no strands.
     """
     laid = settled(strands(moves), settings.sag)
-    laid = laid.selected(np.isin(laid.feature, OBJECT_FEATURES))
+    laid = laid.selected(~np.isin(laid.feature, BESIDE_THE_OBJECT))
     if not len(laid):
         raise PrintError("there are no strands to photograph", "generate the toolpath first")
     with leaving_no_trace():

@@ -18,9 +18,10 @@ from ..core.model import FloatArray, SurfaceModel
 from ..core.progress import drained
 from ..core.toolpaths.moves import Feature
 from ..core.viewing import Picture
-from .curves import STRANDS_KEY, read_strands, set_drawing
+from .curves import read_strands, set_drawing
 from .painted import painted_model
 from .render_rods import render_rods
+from .scrubber import strands_in
 from .studio import Studio
 from .units import mm_per_unit
 
@@ -33,6 +34,8 @@ BESIDE_THE_OBJECT = (
     Feature.RAFT,
     Feature.OOZE_SHIELD,
 )
+"""Features that are not of the object; all others are."""
+
 STUDIO_SIZE = 100.0
 
 
@@ -185,7 +188,7 @@ def _copy_strands(
     renderer's single precision: it would add specks of light.
     """
     wanted = []
-    for shown in [held for held in collection.objects if held.get(STRANDS_KEY)]:
+    for shown in strands_in(collection):
         points, counts, radius, labels = read_strands(shown)
         chosen = whole_plate | ~np.isin(labels["feature"], BESIDE_THE_OBJECT)
         of_point = np.repeat(chosen, counts)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import astuple, dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import bpy
@@ -65,20 +66,22 @@ def digest_of(model: SurfaceModel, settings: PrintSettings) -> str:
         repr((model.name, model.object_names, [volume.mark for volume in model.volumes], settings)).encode(),
         digest_size=16,
     )
-    for array in _arrays(astuple(model)):
-        found.update(f"{array.dtype}{array.shape}".encode())
+    for name, array in _arrays(model):
+        found.update(f"{name}{array.dtype}{array.shape}".encode())
         found.update(np.ascontiguousarray(array).data)
     return found.hexdigest()
 
 
-def _arrays(parts: tuple[Any, ...]) -> list[np.ndarray]:
-    found = []
-    for part in parts:
-        if isinstance(part, np.ndarray):
-            found.append(part)
-        elif isinstance(part, tuple):
-            found += _arrays(part)
-    return found
+def _arrays(part: Any, name: str = "") -> Iterator[tuple[str, np.ndarray]]:
+    """All arrays within dataclasses and tuples with the names of their fields; none of them is copied."""
+    if isinstance(part, np.ndarray):
+        yield name, part
+    elif isinstance(part, tuple):
+        for each in part:
+            yield from _arrays(each, name)
+    elif is_dataclass(part):
+        for declared in fields(part):
+            yield from _arrays(getattr(part, declared.name), declared.name)
 
 
 @bpy.app.handlers.persistent

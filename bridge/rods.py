@@ -8,7 +8,8 @@ import numpy as np
 from ..core.beads import offsets
 from ..core.errors import PrintError
 from ..core.tubes import Rods
-from .curves import STRANDS_KEY, read_strands
+from .curves import read_strands
+from .scrubber import strands_in
 from .units import mm_per_unit
 
 
@@ -20,7 +21,7 @@ def rods_of(collection: bpy.types.Collection) -> Rods:
     """
     unit = mm_per_unit(bpy.context.scene)
     parts = []
-    for shown in [held for held in collection.objects if held.get(STRANDS_KEY)]:
+    for shown in strands_in(collection):
         points, counts, radius, _ = read_strands(shown)
         matrix = np.array(shown.matrix_world)
         world = (points @ matrix[:3, :3].T + matrix[:3, 3]) * unit

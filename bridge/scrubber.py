@@ -38,7 +38,7 @@ def apply_view(collection: bpy.types.Collection) -> None:
     values = (view.layer_from, view.layer_to, hidden, shown_moves - 1)
     all_layers = view.layer_from == 0 and view.layer_to >= last_layer(collection)
     everything = not hidden and all_layers and shown_moves == moves
-    for shown in strand_objects(collection):
+    for shown in strands_in(collection):
         modifier = shown.modifiers.get(_GROUP)
         if modifier is None and not everything:
             modifier = shown.modifiers.new(_GROUP, "NODES")
@@ -83,7 +83,7 @@ def last_layer(collection: bpy.types.Collection) -> int:
     return int(collection.get(LAST_LAYER_KEY, 0))
 
 
-def strand_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+def strands_in(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """The objects with strands of a preview."""
     return [held for held in collection.objects if held.get(STRANDS_KEY)]
 

@@ -107,6 +107,14 @@ def test_same_seed_same_picture_and_nothing_is_left(empty):
     assert before == {kind: len(getattr(bpy.data, kind)) for kind in before}
 
 
-def test_tower_is_not_photographed(empty):
+PARTS = (Feature.OUTER_WALL, Feature.INNER_WALL, Feature.SKIN, Feature.BRIDGE, Feature.INFILL)
+
+
+@pytest.mark.parametrize("feature", [each for each in Feature if each > Feature.RETRACT])
+def test_only_what_the_object_is_made_of_is_photographed(empty, feature):
+    moves = lines([[(0, 0, 5), (10, 0, 5)]], feature)
+    if feature in PARTS:
+        assert not np.isnan(photograph(moves, SETTINGS, FACE, samples=1)).all()
+        return
     with pytest.raises(PrintError, match="no strands"):
-        photograph(lines([[(0, 0, 5), (10, 0, 5)]], Feature.TOWER), SETTINGS, FACE)
+        photograph(moves, SETTINGS, FACE)
