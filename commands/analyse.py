@@ -13,7 +13,7 @@ from ..core.files import write_file
 from ..core.outputs import OutputFiles
 from ..core.settings import PrintSettings
 from ..core.viewing import TURNTABLE, VIEWS, view_files
-from .arguments import add_settings, chosen_outputs, chosen_settings, path_ending_in, positive
+from .arguments import add_settings, angle, chosen_outputs, chosen_settings, path_ending_in, positive
 from .pictures import views
 from .terminal import Progress
 
@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         outputs.add_argument(f"--{name}", type=path_ending_in(".png"), metavar="F.png", help=f"picture of the {what}")
     outputs.add_argument("--views", type=views, default=(), metavar="VIEW,…", help="pictures F_VIEW.png of several "
                          f"sides instead of one: {', '.join(VIEWS)}")  # fmt: skip
-    outputs.add_argument("--azimuth", type=float, default=0.0, metavar="DEG", help="side of the model that is its "
+    outputs.add_argument("--azimuth", type=angle, default=0.0, metavar="DEG", help="side of the model that is its "
                          "front in the pictures: 0 is -Y, 90 is +X (default: 0)")  # fmt: skip
     outputs.add_argument("--pixels", type=_pixels, default=900, metavar="N", help="longer side of the pictures "
                          "(default: 900)")  # fmt: skip

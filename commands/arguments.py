@@ -74,6 +74,21 @@ def positive(text: str) -> float:
     return number
 
 
+def angle(text: str) -> float:
+    """Degrees, any number of them.
+
+    Raises:
+        argparse.ArgumentTypeError: it is no number, or not a finite one.
+    """
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"{text!r} is not an angle in degrees")
+    return number
+
+
 def path_ending_in(*suffixes: str) -> Callable[[str], Path]:
     """A kind of argument: paths with one of these suffixes only, since Blender and numpy would append theirs."""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..core.errors import OutputError
 from ..core.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
-from .arguments import path_ending_in
+from .arguments import angle, path_ending_in
 
 _NAMES = (*VIEWS, TURNTABLE)
 PREFIX = "render "
@@ -28,7 +28,7 @@ def add_pictures(parser: argparse._ActionsContainer, named: bool = True) -> None
                             "model | predicted print | predicted print at viewing distance")  # fmt: skip
     parser.add_argument("--views", type=views, default=(), metavar="VIEW,…", help="pictures F_VIEW.png of several "
                         f"sides instead of one: {', '.join(_NAMES)} (an animated F_turntable.gif)")  # fmt: skip
-    parser.add_argument("--azimuth", type=float, default=0.0, metavar="DEG", help="side of the model that is its front "
+    parser.add_argument("--azimuth", type=angle, default=0.0, metavar="DEG", help="side of the model that is its front "
                         "in the pictures: 0 is -Y, 90 is +X, 180 is +Y (default: 0)")  # fmt: skip
     parser.add_argument("--distance", choices=tuple(DISTANCES_MM), default="", help="leave out what an eye does not "
                         "see any more: in the hand (300 mm), on the desk (700 mm), on a shelf (2 m)")  # fmt: skip

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import bpy
 
 from ..core.errors import PrintError
-from ..core.progress import drained
+from ..core.progress import Progress, drained
 
-Steps = Generator[tuple[float, str], None, str]
-"""Yields (share done, what comes next), returns the message to report."""
+Steps = Generator[Progress, None, str]
+"""A job that returns the message to report."""
 
 
 @dataclass(frozen=True)
-class Progress:
+class RunningJob:
     """How far the job that is running has come, and whose it is: the operator's bl_idname."""
 
     share: float
@@ -27,7 +27,7 @@ class JobOperator:
     """What operators with a long job have in common; the job itself is `steps`. It must write to the scene last."""
 
     bl_idname = ""
-    running: Progress | None = None
+    running: RunningJob | None = None
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """The job.
@@ -54,6 +54,7 @@ class JobOperator:
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Start the job and keep the window alive meanwhile."""
         if JobOperator.running:
+            self.report({"WARNING"}, f"Wait for the end of the job that is running ({JobOperator.running.stage})")
             return {"CANCELLED"}
         manager = context.window_manager
         self._job = self.steps(context)
@@ -95,7 +96,7 @@ class JobOperator:
         _redraw_sidebars(context)
 
     def _show(self, context: bpy.types.Context, share: float, stage: str) -> None:
-        JobOperator.running = Progress(share, stage, type(self).bl_idname)
+        JobOperator.running = RunningJob(share, stage, type(self).bl_idname)
         context.window_manager.progress_update(100 * share)
         context.workspace.status_text_set(f"Dual Color: {stage} ({share:.0%})    Esc: cancel")
         _redraw_sidebars(context)

@@ -20,7 +20,7 @@ def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> 
 
 
 def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether a mesh with faces is active in Object Mode; sets the poll message."""
+    """Whether a mesh with faces is active and not in Edit Mode; sets the poll message."""
     obj = context.object
     if obj is None or obj.type != "MESH" or not len(obj.data.polygons):
         cls.poll_message_set("Select a mesh object with faces first")

@@ -158,6 +158,7 @@ def test_line_ends_of_other_systems_and_pieces_of_the_file_make_no_difference(mo
         (b"G1 X- E1\n", "line 1 reads"),
         (b"G1 X" + b"9" * 400 + b" E1\n", "line 1 reads"),
         (b"G2 X1 Y1 I1 J1\n", "has arcs"),
+        (b"G20\nG1 X5 Z1 E1\n", "in inches"),
         (b"T5\nG1 X5 Z1 E1\n", "a tool that the printer does not have"),
         (b"G1 Z-1\nG1 X5 E1\n", "below the bed"),
         (bytes(range(256)) * 40, "damaged"),

@@ -219,10 +219,13 @@ def test_two_generations_in_a_row_leave_one_print(block):
 
 
 def test_a_second_job_waits_for_the_first(block):
-    from dualcolor.operators.job import JobOperator, Progress
+    from dualcolor.operators.job import JobOperator, RunningJob
 
-    JobOperator.running = Progress(0.5, "fill", None)
+    JobOperator.running = RunningJob(0.5, "fill", None)
     try:
-        assert JobOperator.invoke(SimpleNamespace(), SimpleNamespace(window_manager=None), None) == {"CANCELLED"}
+        said = []
+        asked = SimpleNamespace(report=lambda _kind, text: said.append(text))
+        assert JobOperator.invoke(asked, SimpleNamespace(window_manager=None), None) == {"CANCELLED"}
+        assert "running (fill)" in said[0]
     finally:
         JobOperator.running = None

@@ -147,3 +147,12 @@ def test_arguments(capsys):
     with pytest.raises(SystemExit):
         parser.parse_args(["print", "m.obj", "--views", "frnt"])
     assert "'frnt' is not one of" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["nan", "inf", "north"])
+def test_an_azimuth_is_a_number_of_degrees(text, capsys):
+    for command in ("print", "render", "analyse"):
+        with pytest.raises(SystemExit):
+            cli.make_parser().parse_args([command, "m.obj", "--azimuth", text])
+        assert f"'{text}' is not an angle" in capsys.readouterr().err
+    assert cli.make_parser().parse_args(["print", "m.obj", "--azimuth=-450"]).azimuth == -450.0

@@ -74,6 +74,8 @@ def read_gcode(data: bytes, name: str) -> ReadPrint:
     words = read_words(data)
     if words.are("G", 2, 3).any():
         raise PrintError("the G-code file has arcs (G2, G3)", "let the slicer write straight moves only")
+    if words.are("G", 20).any():
+        raise PrintError("the G-code file is in inches (G20)", "let the slicer write millimetres")
     layer_lines = [line for line, text in words.comments if text.startswith("layer ")]
     if layer_lines and b"@machine " in data[:200] and not words.are("M", 137).any():
         raise PrintError("the G-code file breaks off before the end of the print", _HINT)
