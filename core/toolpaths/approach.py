@@ -112,36 +112,62 @@ def fill_approaches(
     _pass_by(table, first_point, first, approach, ways, settings)
     left = _pull_back(table, paths, layers, first, approach, length, settings)
 
-    def prime(rows: IntArray, chosen: IntArray, amount: float) -> None:
-        table.position[rows] = first_point[chosen]
-        table.feature[rows] = Feature.RETRACT
-        table.filament[rows] = amount
-        table.speed[rows] = settings.deretract_speed
+    _change_tool(table, paths, first_point, left, first, approach, settings)
+    _travel_retracted(table, first_point, left, first, approach, settings)
 
-    changed = np.flatnonzero(approach.changes)
-    row = first[changed] + approach.pulls[changed]
+
+def _change_tool(
+    table: Moves,
+    paths: OrderedPaths,
+    first_point: FloatArray,
+    left: FloatArray,
+    first: IntArray,
+    approach: Approach,
+    settings: PrintSettings,
+) -> None:
+    """Write the moves of tool changes once the filament is pulled back: lift, way of the new tool, descent, priming."""
+    chosen = np.flatnonzero(approach.changes)
+    row = first[chosen] + approach.pulls[chosen]
     lift = np.array([0.0, 0.0, settings.z_hop_toolchange])
-    table.position[row] = left[changed] + lift
-    table.tool[row] = table.tool[np.maximum(first[changed] - 1, 0)]
-    table.layer[row] = paths.layer[changed - 1]
-    table.position[row + 1] = first_point[changed] + lift
-    table.position[row + 2] = first_point[changed]
-    extra = settings.retract_restart_extra_toolchange
-    prime(row + 3, changed, settings.retract_length_toolchange + extra)
+    table.position[row] = left[chosen] + lift
+    table.tool[row] = table.tool[np.maximum(first[chosen] - 1, 0)]
+    table.layer[row] = paths.layer[chosen - 1]
+    table.position[row + 1] = first_point[chosen] + lift
+    table.position[row + 2] = first_point[chosen]
+    amount = settings.retract_length_toolchange + settings.retract_restart_extra_toolchange
+    _prime(table, row + 3, first_point[chosen], amount, settings)
 
-    retracted = np.flatnonzero(approach.retracts)
-    row = first[retracted] + approach.pulls[retracted]
+
+def _travel_retracted(
+    table: Moves,
+    first_point: FloatArray,
+    left: FloatArray,
+    first: IntArray,
+    approach: Approach,
+    settings: PrintSettings,
+) -> None:
+    """Write the moves of travels with retraction once the filament is pulled back: lift, travel, descent, priming."""
+    chosen = np.flatnonzero(approach.retracts)
+    row = first[chosen] + approach.pulls[chosen]
     if approach.hops:
         # Over the higher of the two layers, as a travel may lead up a layer.
-        height = np.maximum(left[retracted, 2], first_point[retracted, 2]) + settings.z_hop
-        table.position[row] = np.column_stack([left[retracted, :2], height])
-        row = row + 1 + approach.via[retracted]
-        table.position[row] = np.column_stack([first_point[retracted, :2], height])
+        height = np.maximum(left[chosen, 2], first_point[chosen, 2]) + settings.z_hop
+        table.position[row] = np.column_stack([left[chosen, :2], height])
+        row = row + 1 + approach.via[chosen]
+        table.position[row] = np.column_stack([first_point[chosen, :2], height])
         row = row + 1
     else:
-        row = row + approach.via[retracted]
-    table.position[row] = first_point[retracted]
-    prime(row + 1, retracted, settings.retract_length + settings.retract_restart_extra)
+        row = row + approach.via[chosen]
+    table.position[row] = first_point[chosen]
+    _prime(table, row + 1, first_point[chosen], settings.retract_length + settings.retract_restart_extra, settings)
+
+
+def _prime(table: Moves, row: IntArray, place: FloatArray, amount_mm: float, settings: PrintSettings) -> None:
+    """Write rows that feed what was pulled back, and perhaps a little more, at places (R, 3)."""
+    table.position[row] = place
+    table.feature[row] = Feature.RETRACT
+    table.filament[row] = amount_mm
+    table.speed[row] = settings.deretract_speed
 
 
 def _pass_by(

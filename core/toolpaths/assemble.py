@@ -63,23 +63,18 @@ def _extrusions(
         settings: of the print.
     """
     count = np.diff(paths.start)
-    # A path of n points has n - 1 extruding moves after its approach.
-    rows = approach + count - 1
+    rows = approach + count - 1  # a path of n points has n - 1 extruding moves after its approach
     first_row = starts(rows)
-    total = int(first_row[-1])
     before = ranges(first_row[:-1], approach)
-    # The point at which each row's line arrives; that of an approach arrives at the first one.
-    point = np.arange(total)
-    point += np.repeat(paths.start[:-1] - first_row[:-1] - approach + 1, rows)
-    point[before] = np.repeat(paths.start[:-1], approach)
+    point = _arriving_at(paths, approach, first_row, before)
     # Axis by axis in memory, as it is read by those who come after.
-    position = np.empty((3, total)).T
+    position = np.empty((3, len(point))).T
     position[:, :2] = paths.points.take(point, axis=0)
     position[:, 2] = np.repeat(layers.top[paths.layer], rows)
     point -= 1  # the point that the line leaves
 
     def of_rows(values: NDArray[Scalar], beside: float = 0.0) -> NDArray[Scalar]:
-        """(total,) values of the lines that leave the points, something else in the approaches."""
+        """(M,) values of the lines that leave the points, something else in the approaches."""
         column = values.take(point)
         column[before] = beside
         return column
@@ -102,3 +97,18 @@ def _extrusions(
         filament=of_rows(filament),
     )
     return table, first_row[:-1]
+
+
+def _arriving_at(paths: OrderedPaths, approach: IntArray, first_row: IntArray, before: IntArray) -> IntArray:
+    """(M,) the point at which each row's line arrives; that of an approach arrives at its path's first one.
+
+    Args:
+        paths: K, in printing order.
+        approach: (K,) rows before each path's first extrusion.
+        first_row: (K + 1,) where each path's rows start.
+        before: the rows of all approaches.
+    """
+    point = np.arange(int(first_row[-1]))
+    point += np.repeat(paths.start[:-1] - first_row[:-1] - approach + 1, np.diff(first_row))
+    point[before] = np.repeat(paths.start[:-1], approach)
+    return point

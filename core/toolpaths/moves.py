@@ -105,9 +105,9 @@ class Paths:
 class Moves:
     """The print in order: row i moves the nozzle from position i - 1 to position i. M rows.
 
-    A row either travels (no filament), retracts or primes (no motion, filament < 0 or > 0, feature RETRACT) or
-    extrudes (motion and filament > 0). Where `tool` differs from the row before, the tool is changed before the
-    row; that row is a travel.
+    A row either travels (no filament), retracts (filament < 0, with a motion where it wipes) or primes (no motion,
+    filament > 0), both of feature RETRACT, or extrudes (motion and filament > 0). Where `tool` differs from the row
+    before, the tool is changed before the row; that row is a travel.
 
     Attributes:
         position: (M, 3) float64 mm, of the active nozzle.
@@ -116,7 +116,7 @@ class Moves:
         layer: (M,) int64.
         width: (M,) float64 mm, 0 where nothing is extruded.
         height: (M,) float64 mm, layer height, 0 where nothing is extruded.
-        speed: (M,) float64 mm/s, along the path; of the filament in retractions.
+        speed: (M,) float64 mm/s, along the path; of the filament where nothing moves.
         filament: (M,) float64 mm of filament fed during the row, negative in a retraction.
     """
 

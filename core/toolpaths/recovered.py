@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 
 from ..errors import PrintError
@@ -54,27 +56,60 @@ def recovered_moves(
     step = np.diff(position, axis=0, prepend=position[:1])
     way = np.sqrt(np.einsum("ij,ij->i", step, step))
     fed = np.where(_slips(way, step[:, 2], fed, steps[0]), _HARDLY, fed)
+    kind, lays = _kinds(way, fed, feature)
+    way[lays] = np.maximum(way[lays], 1e-6)
+    layer, height = _layers(position[:, 2], lays)
+    moves = Moves(position, tool, kind, layer, np.zeros(len(way)), height, speed, fed)
+    rows = np.flatnonzero(lays)
+    moves.width[rows] = _line_widths(
+        moves, rows, way[rows], settings, steps, None if told is None else told[kept][rows]
+    )
+    end = slice(int(rows[-1]) + 1)
+    return Moves(*(getattr(moves, column.name)[end] for column in fields(Moves)))
+
+
+def _kinds(way: FloatArray, fed: FloatArray, feature: IntArray) -> tuple[IntArray, BoolArray]:
+    """(M,) the `Feature` of each row, and (M,) which of them lay down a strand.
+
+    Raises:
+        PrintError: none does.
+    """
     moving = way > 0
     # A move shorter than the file's resolution feeds without moving, less than any priming.
-    lays = (fed > 0) & (moving | (fed < _LEAST_PRIMING))
+    lays: BoolArray = (fed > 0) & (moving | (fed < _LEAST_PRIMING))
     if not (lays & moving).any():
         raise PrintError("the file lays down no plastic", "choose the G-code of a print")
     kind = np.where(lays, np.where(feature == UNKNOWN, int(Feature.OUTER_WALL), feature), int(Feature.TRAVEL))
     kind[~lays & (fed != 0)] = Feature.RETRACT
-    way[lays] = np.maximum(way[lays], 1e-6)
-    layer, height = _layers(position[:, 2], lays)
-    rows = np.flatnonzero(lays)
-    diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)[rows]
-    section = fed[rows] * (np.pi / 4 / settings.extrusion_multiplier) * diameter**2
+    return kind, lays
+
+
+def _line_widths(
+    moves: Moves,
+    rows: IntArray,
+    way: FloatArray,
+    settings: PrintSettings,
+    steps: tuple[float, float],
+    told: FloatArray | None,
+) -> FloatArray:
+    """(K,) mm, widths of the segments of lines.
+
+    Args:
+        moves: with all but the widths.
+        rows: (K,) those that lay down a strand.
+        way: (K,) mm, length of each.
+        settings: diameters of the filament, and the width that lines usually have.
+        steps: resolution of positions and filament in mm.
+        told: (K,) mm, what the file names, or None.
+    """
+    fed = moves.filament[rows]
+    diameter = np.where(moves.tool[rows] == 0, settings.filament_diameter_0, settings.filament_diameter_1)
+    area = fed * (np.pi / 4 / settings.extrusion_multiplier) * diameter**2 / moves.height[rows]
     begins = np.ones(len(rows), dtype=bool)
-    begins[1:] = (np.diff(rows) > 1) | (np.diff(layer[rows]) != 0) | (np.diff(kind[rows]) != 0)
-    doubt = 1.42 * steps[0] / way[rows] + steps[1] / fed[rows]  # both ends may be off by half a diagonal
-    width = np.zeros(len(tool))
-    width[rows] = _widths(section / height[rows], way[rows], doubt, begins, settings.extrusion_width)
-    if told is not None:
-        width[rows] = _told_widths(told[kept][rows], width[rows], section / height[rows], way[rows], doubt)
-    end = slice(int(rows[-1]) + 1)
-    return Moves(position[end], tool[end], kind[end], layer[end], width[end], height[end], speed[end], fed[end])
+    begins[1:] = (np.diff(rows) > 1) | (np.diff(moves.layer[rows]) != 0) | (np.diff(moves.feature[rows]) != 0)
+    doubt = 1.42 * steps[0] / way + steps[1] / fed  # both ends may be off by half a diagonal
+    width = _widths(area, way, doubt, begins, settings.extrusion_width)
+    return width if told is None else _told_widths(told, width, area, way, doubt)
 
 
 def _layers(z: FloatArray, lays: BoolArray) -> tuple[IntArray, FloatArray]:
