@@ -7,11 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any
 
 from .declared import checked, setting
 from .errors import SettingsError
 from .printer import PrinterProfile, printer_names, printer_profile
+
+# Groups beside `print`; what a preset of a kind holds goes by them (`presets.KINDS`).
+_printer = partial(setting, group="printer")
+_pattern = partial(setting, group="pattern")
+_texture = partial(setting, group="texture")
+_filament = partial(setting, group="filament")
+_preview = partial(setting, group="preview")
 
 
 @dataclass(frozen=True)
@@ -23,11 +31,8 @@ class PrintSettings:
     """
 
     # Printer
-    printer: str = setting(
-        "replicator_2x",
-        "The printer: its reach, limits, motors, start and end",
-        choices=printer_names(),
-        group="printer",
+    printer: str = _printer(
+        "replicator_2x", "The printer: its reach, limits, motors, start and end", choices=printer_names()
     )
 
     # Slicing
@@ -39,118 +44,95 @@ class PrintSettings:
     gap_closing_radius: float = setting(0.05, "Gaps in an outline up to twice this are closed", "mm", 0.0, 2.0)
 
     # Pattern
-    pattern: str = setting(
+    pattern: str = _pattern(
         "offset",
         "How tone is made: waves only (the paper), waves and setting the line back, or setting back alone",
         choices=("wave", "wave_offset", "offset"),
-        group="pattern",
     )
-    wavelength: float = setting(
-        1.2, "Least distance of two waves along the outline; the greatest is twice this", "mm", 0.4, 10, group="pattern"
+    wavelength: float = _pattern(
+        1.2, "Least distance of two waves along the outline; the greatest is twice this", "mm", 0.4, 10
     )
-    wave_depth_max: float = setting(
-        0.75, "Depth of an unattenuated wave, peak to peak", "mm", 0.0, 3.0, group="pattern"
+    wave_depth_max: float = _pattern(0.75, "Depth of an unattenuated wave, peak to peak", "mm", 0.0, 3.0)
+    wave_depth_min: float = _pattern(0.375, "Depth of a fully attenuated wave, peak to peak", "mm", 0.0, 3.0)
+    offset_max: float = _pattern(0.35, "How far the line of a fully attenuated colour is set back", "mm", 0.0, 2.0)
+    offset_onset: float = _pattern(
+        0.0, "Attenuation from which on the line is set back; below it only the wave gets shallower", "", 0.0, 0.95
     )
-    wave_depth_min: float = setting(
-        0.375, "Depth of a fully attenuated wave, peak to peak", "mm", 0.0, 3.0, group="pattern"
-    )
-    offset_max: float = setting(
-        0.35, "How far the line of a fully attenuated colour is set back", "mm", 0.0, 2.0, group="pattern"
-    )
-    offset_onset: float = setting(
-        0.0, "Attenuation from which on the line is set back; below it only the wave gets shallower", "", 0.0, 0.95,
-        group="pattern",
-    )  # fmt: skip
-    max_unsupported: float = setting(
+    max_unsupported: float = _pattern(
         0.3, "How far the middle of a strand may lie outside the strand below, by wave, set-back and slope together",
-        "mm", 0.0, 3.0, group="pattern",
+        "mm", 0.0, 3.0,
     )  # fmt: skip
-    sampling: str = setting(
+    sampling: str = _pattern(
         "optimized",
         "Where the waves sit: planned for all layers at once for the fewest seams, or layer by layer (the paper)",
         choices=("optimized", "paper"),
-        group="pattern",
     )
-    projection_threshold: float = setting(
-        0.6, "A sample farther than this from the next layer is not carried on", "mm", 0.05, 5.0, group="pattern"
+    projection_threshold: float = _pattern(
+        0.6, "A sample farther than this from the next layer is not carried on", "mm", 0.05, 5.0
     )
-    relaxation: float = setting(
-        0.05, "Share of the way to the middle of its neighbours that a sample moves", "", 0.0, 0.5, group="pattern"
+    relaxation: float = _pattern(
+        0.05, "Share of the way to the middle of its neighbours that a sample moves", "", 0.0, 0.5
     )
-    flat_layers: int = setting(0, "Layers at the bottom that are printed without a wave", "", 0, 1000, group="pattern")
-    phase_shift_layers: int = setting(
+    flat_layers: int = _pattern(0, "Layers at the bottom that are printed without a wave", "", 0, 1000)
+    phase_shift_layers: int = _pattern(
         0,
         "Instead of the checkerboard, white waves shifted against the black ones, by another eighth of a wave after so "
         "many layers; 0 is the checkerboard",
-        "", 0, 1000, group="pattern",
+        "", 0, 1000,
     )  # fmt: skip
-    mostly_white_below: int = setting(
-        0, "Below this layer three of four layers are white; 0 is none", "", 0, 10000, group="pattern"
+    mostly_white_below: int = _pattern(0, "Below this layer three of four layers are white; 0 is none", "", 0, 10000)
+    mostly_black_above: int = _pattern(0, "From this layer on three of four layers are black; 0 is none", "", 0, 10000)
+    chord_tolerance: float = _pattern(
+        0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1
     )
-    mostly_black_above: int = setting(
-        0, "From this layer on three of four layers are black; 0 is none", "", 0, 10000, group="pattern"
+    front: bool = _pattern(False, "Put the waves' seams on the side away from the front, as far as that goes")
+    front_angle: float = _pattern(
+        0.0, "Direction of the front about the vertical axis: 0 is -Y, 90 is +X", "°", -180.0, 360.0
     )
-    chord_tolerance: float = setting(
-        0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1, group="pattern"
-    )
-    front: bool = setting(
-        False, "Put the waves' seams on the side away from the front, as far as that goes", group="pattern"
-    )
-    front_angle: float = setting(
-        0.0, "Direction of the front about the vertical axis: 0 is -Y, 90 is +X", "°", -180.0, 360.0, group="pattern"
-    )
-    seam_visibility: str = setting(
+    seam_visibility: str = _pattern(
         "",
         "Vertex group, image or image file that says where seams are seen: 1 or white in full, 0 or black not at all",
-        group="pattern",
     )
-    hide_seams: bool = setting(
-        False, "Put seams into creases and where the picture is black, white or nearly so", group="pattern"
-    )
-    solid_regions: str = setting(
+    hide_seams: bool = _pattern(False, "Put seams into creases and where the picture is black, white or nearly so")
+    solid_regions: str = _pattern(
         "none",
         "Large painted regions of pure black or white: like all tones, the other color's line hidden behind, or left "
         "to the right tool within the layer",
         choices=("none", "set_back", "tool_change"),
-        group="pattern",
     )
-    solid_region_area: float = setting(
-        25.0, "Least area of a region of pure black or white that counts as one, in mm²", "", 1.0, 10000.0,
-        group="pattern",
-    )  # fmt: skip
-    solid_region_tolerance: float = setting(
-        0.02, "How far from black (0) or white (1) a tone may be to count as pure", "", 0.0, 0.4, group="pattern"
+    solid_region_area: float = _pattern(
+        25.0, "Least area of a region of pure black or white that counts as one, in mm²", "", 1.0, 10000.0
     )
-    solid_set_back: float = setting(
+    solid_region_tolerance: float = _pattern(
+        0.02, "How far from black (0) or white (1) a tone may be to count as pure", "", 0.0, 0.4
+    )
+    solid_set_back: float = _pattern(
         0.5, "How far the other color's line is set back in such a region, as far as max_unsupported allows", "mm",
-        0.0, 2.0, group="pattern",
+        0.0, 2.0,
     )  # fmt: skip
 
     # Texture
-    background_tone: float = setting(
-        0.5, "Tone where nothing is painted: 0 is the black filament, 1 the white one", "", 0.0, 1.0, group="texture"
+    background_tone: float = _texture(
+        0.5, "Tone where nothing is painted: 0 is the black filament, 1 the white one", "", 0.0, 1.0
     )
-    texture_filter: str = setting(
+    texture_filter: str = _texture(
         "trilinear",
         "How a texture finer than the print is averaged: mip maps, or a Lanczos reduction to one texel a layer pair",
         choices=("trilinear", "lanczos"),
-        group="texture",
     )
 
     # Tone calibration
-    calibration: str = setting(
+    calibration: str = _texture(
         "slope_aware",
         "Prints the tones that are seen as those asked for: by the response of an upright wall, of the wall's own "
         "slope, by a tone table of your own, or not at all",
         choices=("none", "upright", "slope_aware", "file"),
-        group="texture",
     )
-    calibration_file: str = setting("", "The tone table for calibration = file, made by build-table", group="texture")
-    gamut_mapping: str = setting(
+    calibration_file: str = _texture("", "The tone table for calibration = file, made by build-table")
+    gamut_mapping: str = _texture(
         "compress",
         "Tones out of reach: the picture's range is compressed to the printable one, or what is beyond it is clipped",
         choices=("clip", "compress"),
-        group="texture",
     )
 
     # Walls and fill
@@ -239,12 +221,9 @@ class PrintSettings:
         1000.0, "Greatest sideways acceleration in curves; more is faster and shakes more", "mm/s2", 100.0, 20000.0
     )
     min_move_time: float = setting(
-        8.0,
-        "Curves of shorter moves are printed slower, for the printer's queue of moves not to run dry",
-        "ms",
-        0.0,
-        50.0,
-    )
+        8.0, "Curves of shorter moves are printed slower, for the printer's queue of moves not to run dry", "ms",
+        0.0, 50.0,
+    )  # fmt: skip
     max_volumetric_speed: float = setting(8.0, "Most plastic melted per second; 0 is no limit", "mm3/s", 0.0, 50.0)
 
     # Extrusion and retraction
@@ -272,32 +251,24 @@ class PrintSettings:
     z_hop_toolchange: float = setting(0.4, "Lift at a tool change", "mm", 0.0, 5.0)
 
     # Filament and temperature (tool 0, right nozzle: black; tool 1, left nozzle: white)
-    black_tool: int = setting(
-        0, "Tool with the black filament: 0 is the right nozzle, 1 the left", "", 0, 1, group="filament"
+    black_tool: int = _filament(0, "Tool with the black filament: 0 is the right nozzle, 1 the left", "", 0, 1)
+    filament_diameter_0: float = _filament(1.75, "Diameter of the filament in tool 0", "mm", 1.0, 3.5)
+    filament_diameter_1: float = _filament(1.75, "Diameter of the filament in tool 1", "mm", 1.0, 3.5)
+    filament_density: float = _filament(1.04, "Density of the filament; ABS is 1.04", "g/cm3", 0.5, 5.0)
+    filament_cost: float = _filament(25.0, "Price of the filament, in any currency", "per kg", 0.0, 10000.0)
+    nozzle_temperature_0: float = _filament(230.0, "Temperature of tool 0", "°C", 0.0, 280.0)
+    nozzle_temperature_1: float = _filament(230.0, "Temperature of tool 1", "°C", 0.0, 280.0)
+    standby_temperature_delta: float = _filament(
+        0.0, "How much colder the idle nozzle waits; 0 keeps it hot", "°C", 0.0, 200.0
     )
-    filament_diameter_0: float = setting(1.75, "Diameter of the filament in tool 0", "mm", 1.0, 3.5, group="filament")
-    filament_diameter_1: float = setting(1.75, "Diameter of the filament in tool 1", "mm", 1.0, 3.5, group="filament")
-    filament_density: float = setting(1.04, "Density of the filament; ABS is 1.04", "g/cm3", 0.5, 5.0, group="filament")
-    filament_cost: float = setting(
-        25.0, "Price of the filament, in any currency", "per kg", 0.0, 10000.0, group="filament"
-    )
-    nozzle_temperature_0: float = setting(230.0, "Temperature of tool 0", "°C", 0.0, 280.0, group="filament")
-    nozzle_temperature_1: float = setting(230.0, "Temperature of tool 1", "°C", 0.0, 280.0, group="filament")
-    standby_temperature_delta: float = setting(
-        0.0, "How much colder the idle nozzle waits; 0 keeps it hot", "°C", 0.0, 200.0, group="filament"
-    )
-    preheat_time: float = setting(
-        0.0,
-        "How long before its use a cooled nozzle is heated; never less than heating takes at 1.5 °C/s",
-        "s",
-        0.0,
-        600.0,
-        group="filament",
-    )
-    bed_temperature: float = setting(110.0, "Temperature of the bed", "°C", 0.0, 130.0, group="filament")
+    preheat_time: float = _filament(
+        0.0, "How long before its use a cooled nozzle is heated; never less than heating takes at 1.5 °C/s", "s",
+        0.0, 600.0,
+    )  # fmt: skip
+    bed_temperature: float = _filament(110.0, "Temperature of the bed", "°C", 0.0, 130.0)
 
     # Predicted print
-    sag: float = setting(0.3, "Most that a strand sinks where nothing carries it", "mm", 0.0, 2.0, group="preview")
+    sag: float = _preview(0.3, "Most that a strand sinks where nothing carries it", "mm", 0.0, 2.0)
 
     def __post_init__(self) -> None:
         for declared in fields(self):

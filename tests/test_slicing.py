@@ -1,21 +1,13 @@
 """Slicing against analytic truths: areas, closed loops, degenerate positions, overlapping shells."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 import shapely
 from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.slicing.cycles import cycles
-from dualcolor.core.slicing.edges import faces_beyond
-from dualcolor.core.slicing.intersect import intersect
-from dualcolor.core.slicing.link import link
-from dualcolor.core.slicing.outlines import Outlines, starts
 from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.slicing.union import equal_segments, united, winding_number
 from dualcolor.tests.solids import box, cylinder, joined, lathe, picture, surface
 
 KEEP = PrintSettings(center_on_bed=False)
@@ -211,68 +203,6 @@ def test_united_layers_keep_the_uvs():
         assert off.max() < 1e-3
 
 
-def test_reversing_a_loop_keeps_each_segment_with_its_own_values():
-    points = np.array([[0.0, 0], [4, 0], [4, 3], [0, 3]])
-    carried = np.zeros((4, 2, 3))
-    carried[:, :, 0] = [[0, 1], [1, 2], [2, 3], [3, 0]]
-    lines = Outlines(points, np.array([0, 4]), np.array([0]), np.array([10, 11, 12, 13]), carried)
-    back = lines.reversed(np.array([True]))
-    assert back.signed_area == pytest.approx(-lines.signed_area)
-    for face in (10, 11, 12, 13):
-        new, old = np.flatnonzero(back.face == face)[0], np.flatnonzero(lines.face == face)[0]
-        assert back.points[new] == pytest.approx(lines.ends[old])
-        assert back.ends[new] == pytest.approx(lines.points[old])
-        assert back.carried[new, 0] == pytest.approx(carried[old, 1])
-
-
-def test_cycles_of_a_permutation():
-    successor = np.array([3, 0, 2, 1, 5, 4])
-    order, start = cycles(successor, np.array([7, 7, 3, 7, 7, 7]))
-    assert order.tolist() == [2, 0, 3, 1, 4, 5]
-    assert start.tolist() == [0, 1, 4, 6]
-
-
-def test_cycles_of_a_long_permutation_are_those_that_steps_find():
-    """Long ones, and thousands that are so short that no ruler lies on them."""
-    rng = np.random.default_rng(4)
-    lengths = [20_000, 300, *[3] * 2000]
-    first, shuffled = starts(np.array(lengths)), rng.permutation(sum(lengths))
-    successor, layer = np.empty(len(shuffled), dtype=np.int64), np.empty(len(shuffled), dtype=np.int64)
-    found = []
-    for number, (begin, end) in enumerate(pairwise(first)):
-        cycle = np.roll(shuffled[begin:end], -np.argmin(shuffled[begin:end]))
-        successor[cycle], layer[cycle] = np.roll(cycle, -1), number % 5
-        found.append((number % 5, cycle[0], cycle))
-    order, start = cycles(successor, layer)
-    ordered = [cycle for _, _, cycle in sorted(found, key=lambda each: each[:2])]
-    assert np.array_equal(order, np.concatenate(ordered))
-    assert np.array_equal(np.diff(start), [len(cycle) for cycle in ordered])
-
-
-def test_every_loop_is_closed_and_uses_all_segments():
-    mesh = triangulate(cylinder(sides=40), KEEP)
-    stack = layer_stack(10.0, KEEP)
-    segments = intersect(mesh, stack.plane)
-    lines, open_layers = link(segments, 0.0)
-    assert len(open_layers) == 0
-    assert len(lines.points) == len(segments.layer) == 40 * 2 * len(stack)
-    assert (lines.count == 80).all()
-
-
-def test_winding_numbers():
-    square = np.array([[0.0, 0], [4, 0], [4, 4], [0, 4]])
-    ends = np.roll(square, -1, axis=0)
-    probe = np.array([[2.0, 2], [5, 2], [-1, 2], [2, 5]])
-    assert winding_number(probe, square, ends).tolist() == [1, 0, 0, 0]
-    assert winding_number(probe, ends, square).tolist() == [-1, 0, 0, 0]
-
-
-def test_a_figure_of_eight_keeps_both_halves():
-    points = np.array([[0.0, 0], [4, 4], [4, 0], [0, 4]])
-    eight = Outlines(points, starts(np.array([4])), np.array([0]), np.zeros(4, dtype=np.int64), np.zeros((4, 2, 3)))
-    assert np.abs(united(eight).signed_area).sum() == pytest.approx(8.0)
-
-
 @pytest.mark.parametrize(
     ("name", "height"), [("spot/spot.obj", 60), ("gutenberg/Gutenberg.obj", 60), ("nc/kitten.obj", 54)]
 )
@@ -288,35 +218,9 @@ def test_real_models_have_the_volume_of_their_mesh(data, name, height):
     assert shapely.is_valid(result.regions).all()
 
 
-@pytest.mark.parametrize("inward", [None, False, True])
-def test_each_cut_goes_on_where_it_ends_also_among_solids_that_touch(inward):
-    solid = box((0, 0, 0), (10, 10, 5))
-    others = [lathe([[10, 0], [6, 7], [9, 16]])] if inward is None else [box((0, 0, 0), (10, 10, 5), inward=inward)]
-    cuts = intersect(triangulate(joined(solid, *others), KEEP), layer_stack(5.0, KEEP).plane)
-    assert sorted(cuts.successor) == list(range(len(cuts.layer)))
-    assert np.array_equal(cuts.layer[cuts.successor], cuts.layer)
-    assert np.array_equal(cuts.points[cuts.successor, 0], cuts.points[:, 1])
-
-
-def test_edges_of_a_mesh_too_large_to_sort_with_its_numbers_are_paired_alike():
-    faces = triangulate(lathe([[10, 0], [6, 7], [9, 16]]), KEEP).faces
-    levels = (np.arange(faces.max() + 1, dtype=np.int32) % 7)[faces]
-    beyond = faces_beyond(faces, levels, int(faces.max()) + 1)
-    assert (beyond >= 0).any() and np.array_equal(faces_beyond(faces, levels, 1 << 29), beyond)
-
-
 def test_a_mesh_of_which_few_faces_are_cut_is_sliced_like_those_faces_alone():
     """Rings of faces between the planes are left out before anything else is asked about them."""
     heights = np.concatenate([[0.0], np.linspace(0.13, 0.37, 40), np.linspace(0.38, 0.62, 40), [1.0]])
     fine, coarse = (cut(lathe(np.column_stack([np.full(len(z), 9.0), z]))) for z in (heights, heights[[0, -1]]))
     assert areas(fine) == pytest.approx(areas(coarse))
     assert np.array_equal(fine.outlines.start, coarse.outlines.start)
-
-
-def test_segments_are_known_again_either_way_round_but_not_among_equal_ones():
-    tails, heads = (
-        np.array([[0.0, 0], [1, 0], [1, 1], [5, 5], [5, 5]]),
-        np.array([[1.0, 0], [1, 1], [0, 0], [6, 5], [6, 5]]),
-    )
-    new_tails, new_heads = np.array([[-0.0, 0], [1, 1], [0.5, 0], [6, 5]]), np.array([[1.0, 0], [1, 0], [1, 0], [5, 5]])
-    assert equal_segments(new_tails, new_heads, tails, heads).tolist() == [0, 1, -1, -1]

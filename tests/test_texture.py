@@ -3,49 +3,15 @@
 import numpy as np
 import pytest
 from dualcolor.core.errors import TextureError
-from dualcolor.core.model import ToneImage, TriangleMesh
+from dualcolor.core.model import TriangleMesh
 from dualcolor.core.texture.islands import NO_ISLAND
 from dualcolor.core.texture.labels import uv_charts
 from dualcolor.core.texture.lookup import tone_at
 from dualcolor.core.texture.pyramid import build_pyramids
+from textured_plates import image, look_up, plates, points_on
 
 BOTH = ["trilinear", "lanczos"]
 FOOTPRINTS = [0.1, 0.5, 0.8, 2.0, 5.0, 300.0]
-
-
-def image(tone, alpha=1.0):
-    tone = np.asarray(tone, np.float32)
-    return ToneImage(tone, np.broadcast_to(np.float32(alpha), tone.shape).copy())
-
-
-def plates(*rectangles, mm_per_uv=40.0, texture=0, stacked=True):
-    """A mesh of upright rectangles, each with its own vertices and UV rectangle (u0, v0, u1, v1)."""
-    vertices, faces, uvs = [], [], []
-    for number, (u0, v0, u1, v1) in enumerate(rectangles):
-        uv = np.array([[u0, v0], [u1, v0], [u1, v1], [u0, v1]])
-        vertices.append(np.c_[uv[:, 0], np.full(4, 0.1 * number), uv[:, 1]] * mm_per_uv)
-        for triangle in ([0, 1, 2], [0, 2, 3]):
-            faces.append(np.array(triangle) + 4 * number)
-            uvs.append(uv[triangle])
-    count = len(faces)
-    textures = np.full(count, texture) if np.isscalar(texture) else np.repeat(texture, 2)
-    return TriangleMesh(
-        np.concatenate(vertices), np.array(faces), np.array(uvs), np.full((count, 3), np.nan), textures.astype(np.int64)
-    )
-
-
-def points_on(mesh, faces, count=400, seed=0):
-    """Random points of the faces: (N,) face and (N, 2) UV."""
-    rng = np.random.default_rng(seed)
-    face = rng.choice(np.asarray(faces), count)
-    weights = rng.dirichlet([1, 1, 1], count)
-    return face, np.einsum("nk,nkd->nd", weights, mesh.face_uv[face])
-
-
-def look_up(mesh, textures, face, uv, footprint, kind="trilinear", background=0.5, vertex_tone=None):
-    pyramids = build_pyramids(mesh, tuple(textures), footprint, kind)
-    vertex_tone = np.full(len(face), np.nan) if vertex_tone is None else vertex_tone
-    return tone_at(pyramids, face, uv, vertex_tone, background)
 
 
 @pytest.mark.parametrize("size", [(64, 64), (71, 60), (1, 1), (1, 7), (100, 33)])
@@ -241,48 +207,6 @@ def test_every_face_looks_into_its_own_texture():
         assert found == pytest.approx([0.9, 0.1, 0.9])
     with pytest.raises(TextureError, match="not there"):
         build_pyramids(mesh, tuple(textures[:2]), 0.5, "trilinear")
-
-
-def test_lanczos_lands_a_60_by_71_picture_on_142_layers_one_to_one():
-    tone = np.random.default_rng(6).random((71, 60)).astype(np.float32)
-    mesh = plates((0, 0, 1, 1))
-    vertices = mesh.vertices * [30 / 40, 1, 35.5 / 40]
-    mesh = TriangleMesh(vertices, mesh.faces, mesh.face_uv, mesh.face_tone, mesh.face_texture)
-    pyramids = build_pyramids(mesh, (image(tone),), 0.5, "lanczos")
-    z = (np.arange(142) + 0.5) * 0.25
-    for column in range(60):
-        uv = np.c_[np.full(142, (column + 0.5) / 60), z / 35.5]
-        found = tone_at(pyramids, np.zeros(142, int), uv, np.full(142, np.nan), 0.5)
-        assert np.array_equal(found[0::2], tone[:, column].astype(float))
-        assert np.array_equal(found[1::2], tone[:, column].astype(float))
-
-
-def test_lanczos_reduces_each_direction_by_its_own_spacing_and_never_enlarges():
-    mesh = plates((0, 0, 1, 1))
-    mesh = TriangleMesh(mesh.vertices * [2, 1, 0.5], mesh.faces, mesh.face_uv, mesh.face_tone, mesh.face_texture)
-    picture = image(np.random.default_rng(7).random((200, 400)))
-    level = build_pyramids(mesh, (picture,), 0.5, "lanczos").pictures[0].levels[0]
-    assert (level.height, level.width) == (40, 160)  # 20 mm high, 80 mm wide
-    assert level.paint.mean() == pytest.approx(picture.tone.mean(), abs=2e-3)
-    assert level.paint.min() >= 0 and level.paint.max() <= 1
-    assert build_pyramids(mesh, (picture,), 0.01, "lanczos").pictures[0].levels[0].paint.size == 200 * 400
-
-
-def test_lanczos_does_not_overshoot_at_an_edge():
-    tone = np.broadcast_to(np.arange(200) < 101, (200, 200))
-    for alpha in (1.0, tone * 0.5):
-        level = build_pyramids(plates((0, 0, 1, 1)), (image(tone, alpha),), 0.5, "lanczos").pictures[0].levels[0]
-        assert level.paint.size == 80 * 80
-        assert level.paint.min() >= 0 and (level.paint <= level.alpha).all() and level.alpha.max() <= 1
-
-
-def test_lanczos_does_not_care_how_the_picture_is_turned_on_the_object():
-    mesh = plates((0, 0, 1, 1))
-    turned = TriangleMesh(
-        mesh.vertices[:, [2, 1, 0]] * [2, 1, 0.5], mesh.faces, mesh.face_uv, mesh.face_tone, mesh.face_texture
-    )
-    level = build_pyramids(turned, (image(np.full((200, 400), 0.5)),), 0.5, "lanczos").pictures[0].levels[0]
-    assert (level.height, level.width) == (160, 40)
 
 
 def test_an_empty_question_and_a_second_background():
