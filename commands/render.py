@@ -17,7 +17,7 @@ HELP = "show the print in a G-code or X3G file"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("file", type=Path, metavar="FILE", help=".gcode or .x3g file for the Replicator 2X")
+    parser.add_argument("file", type=Path, metavar="FILE", help=".gcode or .x3g file of a print")
     parser.add_argument("--blend", type=path_ending_in(".blend"), metavar="F.blend", help="Blender file with the "
                         "strands")  # fmt: skip
     parser.add_argument("--mesh", type=path_ending_in(".stl", ".obj"), metavar="F.stl|F.obj", help="mesh of the "

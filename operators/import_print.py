@@ -13,7 +13,7 @@ from ..core.errors import PrintError
 
 
 class DUALCOLOR_OT_import_print(ImportHelper, bpy.types.Operator):
-    """Show the print in a G-code or X3G file for the Replicator 2X as strands"""
+    """Show the print in a G-code or X3G file as strands"""
 
     bl_idname = "dualcolor.import_print"
     bl_label = "Import Replicator 2X G-code"

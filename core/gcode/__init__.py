@@ -1,1 +1,1 @@
-"""G-code for the Replicator 2X."""
+"""G-code in MakerBot's dialect, as for the Replicator 2X, and in Marlin's and Klipper's."""

@@ -1,4 +1,4 @@
-"""A G-code file for the Replicator 2X back into moves: ours, and those of slicers that write the same commands."""
+"""A G-code file back into moves: ours for any printer, and those of slicers that write the same commands."""
 
 from __future__ import annotations
 
@@ -85,6 +85,8 @@ def read_gcode(data: bytes, name: str) -> ReadPrint:
     relative_fed = relative | _switched(words.are("M", 83), words.are("M", 82))
     column = {letter: words.values[:, number] for number, letter in enumerate(LETTERS)}
     position = np.stack([_followed(column[axis], moving, sets, relative) for axis in "XYZ"], axis=1)
+    if marlin := settings.printer_profile.marlin:
+        position -= [*marlin.origin, 0.0]  # to where our own coordinates begin, in the middle of the bed
     fed = np.zeros(len(moving))
     for axis in "ABE":
         counter = _followed(column[axis], moving, sets, relative_fed if axis == "E" else relative)

@@ -1,4 +1,4 @@
-"""A print into the text of a G-code file for the Replicator 2X, in bulk."""
+"""A print into the text of a G-code file, in bulk."""
 
 from __future__ import annotations
 
