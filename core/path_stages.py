@@ -6,17 +6,19 @@ from collections.abc import Generator
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 
-from shapely import Geometry
+from shapely import Geometry, get_parts
 
 from .checks import check
 from .fill.paths import fill_areas, fill_lines
+from .pattern.contours import Contours
 from .progress import Progress
 from .settings import PrintSettings
 from .single_color import SingleColor, single_color
 from .slicing.planes import Layers
 from .slicing.slices import Slices
 from .stages import Stages
-from .supports.paths import Supports, supports, with_supports
+from .supports.overlay import distinct
+from .supports.paths import Supports, on_bed, supports
 from .thin_features import ThinFeatures, thin_features
 from .toolpaths.assemble import assemble
 from .toolpaths.moves import Moves, Paths
@@ -62,7 +64,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     yield stages.begin(0.6, "supports")
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
     outer = outer_wall_paths(wall.outlines)
-    shade = aside("shadow", _shadow, cut, holding, settings)
+    shade = aside("shadow", _shadow, lines, holding, settings)
     around = aside("surroundings", _surroundings, shade, cut, holding, outer.first_layer, settings)
     thin = aside("thin features", thin_features, cut, lines, settings)
     yield stages.begin(0.65, "fill")
@@ -90,12 +92,13 @@ def _joined(fill: Paths, holding: Paths) -> Paths:
     return Paths.joined([fill, holding])
 
 
-def _shadow(cut: Slices, holding: Supports, settings: PrintSettings) -> Geometry:
-    return shadow(with_supports(cut.regions, holding.areas, settings), settings)
+def _shadow(lines: Contours, holding: Supports, settings: PrintSettings) -> Geometry:
+    # Columns hardly change from layer to layer.
+    return shadow(lines.points, distinct(get_parts(holding.areas)), settings)
 
 
 def _surroundings(shade: Geometry, cut: Slices, holding: Supports, wall: Paths, settings: PrintSettings) -> Paths:
-    first = with_supports(cut.regions[:1], holding.areas[:1], settings)
+    first = on_bed(cut.regions[0], holding.areas[0], settings)
     return surrounding_paths(ground(shade, first, wall, settings), raised(cut.layers, settings), settings)
 
 

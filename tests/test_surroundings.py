@@ -98,7 +98,7 @@ def test_nothing_crosses_anything_on_the_first_layer(shield, brim, placement):
     settings = SETTINGS.changed(wanted)
     walls = Paths.joined([circle(12, 0), circle(16, 1), circle(9, 2)])
     regions = np.array([shapely.Point(0, 0).buffer(radius + 0.2) for radius in (12, 16, 9)], dtype=object)
-    on_bed = ground(shadow(regions, settings), regions, walls, settings)
+    on_bed = ground(shadow(walls.points, regions, settings), regions[0], walls, settings)
     assert on_bed.first.covers(shapely.LineString(walls.points[:200]))
     assert shapely.Polygon(on_bed.shadow.exterior).covers(shapely.MultiPoint(walls.points))
     paths = surrounding_paths(on_bed, stack(3), settings)
@@ -122,15 +122,35 @@ def test_nothing_crosses_anything_on_the_first_layer(shield, brim, placement):
         assert min(ring.distance(on_bed.shadow) for ring in tower) >= settings.tower_distance
 
 
-def test_the_shadow_covers_all_layers_with_their_waves_and_hardly_more():
-    oval = shapely.affinity.scale(shapely.Point(0, 0).buffer(10, quad_segs=50), 1.0, 0.6)
-    regions = np.array(
-        [shapely.affinity.rotate(oval, turn) for turn in np.linspace(0, 150, 200)] + [oval.exterior.buffer(1)]
+@pytest.mark.parametrize(("pattern", "wave"), [("wave", SETTINGS.wave_depth_max / 2), ("offset", 0.0)])
+@pytest.mark.parametrize("scale", [1.0, 40.0])
+def test_the_shadow_covers_all_layers_with_their_waves_and_hardly_more(pattern, wave, scale):
+    settings = SETTINGS.changed({"pattern": pattern})
+    oval = shapely.affinity.scale(shapely.Point(0, 0).buffer(10, quad_segs=50), scale, 0.6 * scale)
+    turned = [shapely.affinity.rotate(oval, turn) for turn in np.linspace(0, 150, 50)]
+    beside = [shapely.affinity.translate(oval, 30.0 * scale, 3.0), shapely.affinity.translate(oval, -5.0, 31.0 * scale)]
+    regions = np.array([*turned, oval.exterior.buffer(1), *beside])
+    lines = shapely.buffer(regions, -settings.extrusion_width / 2)
+    points = shapely.get_coordinates(shapely.segmentize(lines, 0.2))
+    covered = shadow(points, regions[:0], settings)
+    whole = shapely.union_all(regions)
+    assert covered.covers(shapely.buffer(whole, wave)) and not any(
+        part.interiors for part in shapely.get_parts(covered)
     )
-    covered = shadow(regions, SETTINGS)
-    whole, wave = shapely.union_all(regions), SETTINGS.wave_depth_max / 2
-    assert covered.covers(shapely.buffer(whole, wave)) and not covered.interiors
-    assert shapely.buffer(whole, wave + 0.31).covers(covered)
+    square = max(0.3, np.ptp(points, axis=0).max() / 1000)
+    bays = shapely.buffer(shapely.buffer(whole, 4.1 + wave), -4.1)
+    assert shapely.buffer(shapely.union(whole, bays), wave + 3 * square).covers(covered)
+    # Supports are told by their areas.
+    column = shapely.box(-60 * scale, 0, -50 * scale, 7)
+    assert shadow(points, np.array([column]), settings).covers(shapely.union(whole, column))
+
+
+def test_bays_of_the_shadow_stay_open_and_rings_are_filled():
+    bay = shapely.box(-20, -20, 20, 20).difference(shapely.box(-10, -10, 10, 30))
+    ring = shapely.box(-20, -20, 20, 20).difference(shapely.box(-10, -10, 10, 10))
+    open_bay, filled = (shadow(np.zeros((0, 2)), np.array([shape]), SETTINGS) for shape in (bay, ring))
+    assert not open_bay.intersects(shapely.box(-8.5, -8.5, 8.5, 30))
+    assert filled.covers(shapely.box(-20, -20, 20, 20)) and not filled.interiors
 
 
 # Skirt

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 import shapely
+from shapely import Geometry
 
 from ..fill.parallel import Shapes
 from ..model import FloatArray, TriangleMesh
@@ -17,7 +17,7 @@ from .columns import columns, standing_on_bed
 from .lines import interface, support_lines
 from .marks import marks
 from .overhangs import contacts
-from .overlay import distinct, nothing
+from .overlay import nothing
 from .room import taken_room
 from .stability import steady
 
@@ -60,16 +60,12 @@ def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray
     return Supports(support_lines(found, close, settings), found)
 
 
-def with_supports(regions: Shapes, areas: Shapes, settings: PrintSettings) -> Shapes:
-    """Cross-sections of the object and its supports, (R,), those of the first layer in one at the beginning.
+def on_bed(region: Geometry, area: Geometry, settings: PrintSettings) -> Geometry:
+    """The first layer of the object and its supports.
 
     Args:
-        regions: (L,) of the object.
-        areas: (L,) of the supports' centre lines.
+        region: cross-section of the object.
+        area: of the supports' centre lines.
         settings: `extrusion_width` is used.
     """
-    half = settings.extrusion_width / 2
-    first = shapely.union(regions[0], shapely.buffer(areas[0], half, quad_segs=2))
-    # Columns hardly change from layer to layer.
-    others = shapely.buffer(distinct(shapely.get_parts(areas[1:])), half, quad_segs=2)
-    return np.concatenate([[first], regions[1:], others])
+    return shapely.union(region, shapely.buffer(area, settings.extrusion_width / 2, quad_segs=2))

@@ -9,7 +9,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
+from ..pattern.contours import POINTS_PER_WAVELENGTH
 from ..settings import PrintSettings
+from ..slicing.outlines import bounds
 from ..slicing.planes import Layers, line_widths
 from .brim import brim_area, brim_paths
 from .loops import exterior_rings
@@ -20,10 +22,9 @@ from .shield import shield_area, shield_paths
 from .skirt import skirt_paths
 from .tower import tower_brim, tower_loops, tower_paths
 
-# A shadow is wider by these, and what sticks out by no more may be missing from it.
-_SIMPLIFY_MM = 0.1
-_SLIVER_MM = 0.1
-_SPREAD = 64  # shapes that cover most of the others
+# The shadow is told by squares; by no more of them across, even if the print is far larger than any bed.
+_SQUARE_MM, _MOST_SQUARES = 0.3, 1000
+_NARROW_MM = 8.0  # Bays in which neither tower nor shield finds room may be covered.
 
 
 @dataclass(frozen=True)
@@ -39,47 +40,48 @@ class Ground:
     first: shapely.Geometry
 
 
-def shadow(regions: NDArray[np.object_], settings: PrintSettings) -> shapely.Geometry:
-    """What any layers of object and supports cover, holes filled, with the waves that may stand out.
+def shadow(lines: FloatArray, columns: NDArray[np.object_], settings: PrintSettings) -> shapely.Geometry:
+    """What all layers cover, holes filled, with the waves that may stand out, and about half a millimetre more.
 
     Args:
-        regions: (R,) Polygons or MultiPolygons, cross-sections.
-        settings: wave_depth_max is used.
+        lines: (N, 2) mm, points of the contours.
+        columns: (S,) Polygons or MultiPolygons, areas of supports.
+        settings: the wave's length and depth and the extrusion width are used.
     """
-    whole = shapely.polygons(exterior_rings(regions))
-    shapes = shapely.simplify(whole, _SIMPLIFY_MM, preserve_topology=False)
-    shapes = np.where(shapely.is_valid(shapes), shapes, whole)
-    covered = shapely.MultiPolygon()
-    while len(shapes):
-        # Most layers lie within some spread over the height, but for slivers; that is told faster than they are united.
-        some = np.arange(len(shapes)) % -(-len(shapes) // _SPREAD) == 0
-        covered = _filled(shapely.union_all([covered, *shapes[some]]))
-        nearly = shapely.buffer(covered, _SLIVER_MM, quad_segs=1)
-        shapely.prepare(nearly)
-        shapes = shapes[~some]
-        shapes = shapes[~shapely.contains_properly(nearly, shapes)]
-    # Waves stand out by half their depth.
-    margin = settings.wave_depth_max / 2 + _SIMPLIFY_MM + _SLIVER_MM
-    return _filled(shapely.buffer(covered, margin, quad_segs=2))
+    step = max(_SQUARE_MM, settings.wavelength / POINTS_PER_WAVELENGTH)
+    points = np.concatenate([lines, shapely.get_coordinates(shapely.segmentize(columns, step))])
+    if not len(points):
+        return shapely.MultiPolygon()
+    low, high = bounds(points)
+    square = max(step, float((high - low).max()) / _MOST_SQUARES)
+    across, up = (((axis - least) / square).astype(np.int32) for axis, least in zip(points.T, low, strict=True))
+    covered = np.zeros((up.max() + 1, across.max() + 1), dtype=bool)
+    covered[up, across] = True
+    change = np.diff(covered.astype(np.int8), axis=1, prepend=0, append=0)
+    (row, begin), (_, end) = np.nonzero(change > 0), np.nonzero(change < 0)
+    apart = (row[1:] > row[:-1]) | ((begin[1:] - end[:-1]) * square > _NARROW_MM)
+    row, begin, end = row[np.append(True, apart)], begin[np.append(True, apart)], end[np.append(apart, True)]
+    strips = shapely.multipolygons(shapely.box(begin, row, end, row + 1))
+    whole = shapely.transform(shapely.simplify(shapely.buffer(strips, 0), 1), lambda places: low + square * places)
+    waves = 0.0 if settings.pattern == "offset" else settings.wave_depth_max
+    # A line lies half its width inside, leaves the squares by half of one between two points, and is simplified.
+    margin = (settings.extrusion_width + waves + 3 * square) / 2
+    rings = exterior_rings(np.array([shapely.buffer(whole, margin, quad_segs=2)]))
+    return shapely.union_all(shapely.polygons(rings))
 
 
-def _filled(shape: shapely.Geometry) -> shapely.Geometry:
-    """A shape without its holes."""
-    return shapely.union_all(shapely.polygons(exterior_rings(np.array([shape]))))
-
-
-def ground(shade: shapely.Geometry, regions: NDArray[np.object_], walls: Paths, settings: PrintSettings) -> Ground:
+def ground(shade: shapely.Geometry, region: shapely.Geometry, walls: Paths, settings: PrintSettings) -> Ground:
     """Look at the object and its supports from above.
 
     Args:
         shade: their `shadow`.
-        regions: (R,) Polygons or MultiPolygons, the first of which is what of the first layer is not in the walls.
+        region: Polygon or MultiPolygon, what of the first layer is not in the walls.
         walls: the waved outlines, of the first layer at least.
         settings: the extrusion widths and the raft are used.
     """
     width = float(line_widths(np.zeros(1, dtype=np.int64), settings)[0])
     strips = shapely.buffer(_closed_lines(walls, np.flatnonzero(walls.layer == 0)), width / 2)
-    first = shapely.union_all([*regions[:1], *strips])
+    first = shapely.union_all([region, *strips])
     if settings.raft_layers:
         first = raft_area(first, settings)
         shade = shapely.union(shade, first)

@@ -62,12 +62,13 @@ def tower_paths(loops: list[FloatArray], layers: int, settings: PrintSettings) -
     if not loops or layers <= 0:
         return Paths.empty()
     brim = first_layer_loops(tower_brim(loops, settings), Feature.TOWER, Turn.TOWER_BRIM, _first_width(settings))
-    turned = [_started(loops, layer) for layer in range(layers)]
-    count = np.array([len(loop) for layer in turned for loop in layer], dtype=np.int64)
+    corners = len(loops[0])
+    turned = [np.concatenate(_started(loops, corner)) for corner in range(corners)]
+    count = np.tile(np.array([len(loop) for loop in loops], dtype=np.int64), layers)
     layer = np.repeat(np.arange(layers, dtype=np.int64), len(loops))
     width = np.where(layer == 0, _first_width(settings), settings.extrusion_width)
     tower = Paths(
-        points=np.concatenate([loop for layer in turned for loop in layer]),
+        points=np.concatenate([turned[layer % corners] for layer in range(layers)]),
         start=starts(count),
         layer=layer,
         feature=np.full(len(count), int(Feature.TOWER), dtype=np.int64),
@@ -111,8 +112,8 @@ def _grown(loop: FloatArray, distances: FloatArray) -> list[FloatArray]:
     return [loop if distance == 0 else loop_points(ring) for ring, distance in zip(rings, distances, strict=True)]
 
 
-def _started(loops: list[FloatArray], layer: int) -> list[FloatArray]:
-    """The loops of one layer: the innermost starts at the layer's turn of its corners, the others beside it."""
-    begin = loops[0][layer % len(loops[0])]
+def _started(loops: list[FloatArray], corner: int) -> list[FloatArray]:
+    """The loops of one layer: the innermost starts at one of its corners, the others beside it."""
+    begin = loops[0][corner]
     nearest = [int(np.argmin(np.hypot(*(loop - begin).T))) for loop in loops]
     return [np.roll(loop, -first, axis=0) for loop, first in zip(loops, nearest, strict=True)]
