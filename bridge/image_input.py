@@ -16,7 +16,8 @@ from ..core.texture.grade import linear_colours
 from ..core.texture.heads import check_texels, texels, texels_of_file
 from .quiet import quiet_stderr
 
-RAW_COLOUR_SPACES = ("Non-Color", "Raw", "Linear Rec.709", "Linear", "Generic Data")
+RAW_COLOUR_SPACES = ("Non-Color", "Raw", "Generic Data", "ACES2065-1", "ACEScg", "Working Space")
+"""Colour spaces whose values are proportional to light, beside those whose name begins with "Linear"."""
 
 
 def load_image(path: Path) -> bpy.types.Image:
@@ -67,8 +68,10 @@ def image_size(image: bpy.types.Image) -> tuple[int, int]:
     """Width and height in texels.
 
     Raises:
-        TextureError: the image has no pixels, or claims more than any picture has.
+        TextureError: the image has no pixels, claims more than any picture has, or is made of UDIM tiles.
     """
+    if image.source == "TILED" and len(image.tiles) > 1:
+        raise TextureError(f"the image {image.name} has several tiles", "bake them into a single image")
     if not image.has_data:  # asking for the size would decode it
         check_texels(image.name, _texels_undecoded(image))
     width, height = image.size
@@ -81,7 +84,7 @@ def image_pixels(image: bpy.types.Image) -> Float32Array:
     """(H, W, 1 to 4) as stored.
 
     Raises:
-        TextureError: the image has no pixels, or claims more than any picture has.
+        TextureError: the image has no pixels, claims more than any picture has, or is made of UDIM tiles.
     """
     width, height = image_size(image)
     pixels = np.empty(width * height * image.channels, dtype=np.float32)
@@ -91,13 +94,12 @@ def image_pixels(image: bpy.types.Image) -> Float32Array:
 
 def is_encoded(image: bpy.types.Image) -> bool:
     """Whether an image's colours are sRGB-encoded: bytes are, unless their colour space is a linear one."""
-    return not image.is_float and image.colorspace_settings.name not in RAW_COLOUR_SPACES
+    space = image.colorspace_settings.name
+    return not (image.is_float or space in RAW_COLOUR_SPACES or space.startswith("Linear"))
 
 
 def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
     """(H, W, 4) as stored, whether colours are sRGB-encoded, and whether they are multiplied by alpha."""
-    if image.source == "TILED" and len(image.tiles) > 1:
-        raise TextureError(f"the image {image.name} has several tiles", "bake them into a single image")
     rgba = _as_rgba(image_pixels(image))
     covers = image.alpha_mode in ("STRAIGHT", "PREMUL")
     if not covers:

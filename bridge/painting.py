@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.errors import TextureError
 from ..core.model import FloatArray
-from ..core.texture.decode import srgb_from_linear
+from ..core.texture.decode import linear_from_srgb, srgb_from_linear
 from ..core.texture.grade import Grade, graded
 from .base_colour import base_colour
 from .image_input import image_colours
@@ -48,8 +48,7 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
     paint = bpy.context.scene.tool_settings.image_paint
     paint.mode, paint.canvas = "IMAGE", image
     paint.palette = _palette()
-    if paint.brush:
-        paint.brush.color = (0.0, 0.0, 0.0)
+    _take_black(paint)
     return image
 
 
@@ -157,11 +156,22 @@ def _show_in_new_material(obj: bpy.types.Object, image: bpy.types.Image) -> None
         obj.data.materials.append(material)
 
 
+def _take_black(paint: bpy.types.ImagePaint) -> None:
+    """Paint black, whether the brushes have a colour each or, as is usual, one for all."""
+    # Before Blender 5 all painting modes shared one.
+    shared = getattr(paint, "unified_paint_settings", None) or bpy.context.tool_settings.unified_paint_settings
+    for holder in filter(None, (paint.brush, shared)):
+        holder.color = (0.0, 0.0, 0.0)
+
+
 def _palette() -> bpy.types.Palette:
     """Greys from the black filament to the white one, in equal steps for the eye."""
     palette = bpy.data.palettes.get(PALETTE)
     if palette is None:
         palette = bpy.data.palettes.new(PALETTE)
-        for grey in np.linspace(0.0, 1.0, GREYS):
+        greys = np.linspace(0.0, 1.0, GREYS)
+        if bpy.types.PaletteColor.bl_rna.properties["color"].subtype == "COLOR":  # linear, since Blender 5
+            greys = linear_from_srgb(greys)
+        for grey in greys.tolist():
             palette.colors.new().color = (grey, grey, grey)
     return palette

@@ -81,6 +81,14 @@ def test_darkened_multiplies_light_and_keeps_alpha():
     np.testing.assert_allclose(after[:, 3], before[:, 3], atol=1e-6)
 
 
+def test_a_picture_of_tiles_is_refused_before_anything_is_baked(corner):
+    corner.dualcolor.image = tiled = bpy.data.images.new("tiled", 16, 16, tiled=True)
+    tiled.tiles.new(1002)
+    with pytest.raises(RuntimeError, match="several tiles"):
+        bpy.ops.dualcolor.bake_occlusion(samples=1)
+    assert corner.dualcolor.image == tiled and list(bpy.data.images) == [tiled]
+
+
 def test_the_button_exchanges_the_picture(corner):
     assert bpy.ops.dualcolor.bake_occlusion(distance=15.0, samples=4) == {"FINISHED"}
     first = corner.data.materials[0].node_tree.nodes.active.image

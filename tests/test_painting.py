@@ -62,7 +62,20 @@ def test_painting_is_set_up_on_a_bare_mesh(registered):
     paint = bpy.context.scene.tool_settings.image_paint
     assert paint.canvas.name == "box Tone" and paint.canvas.size[0] >= 512
     assert min(paint.canvas.pixels[:4]) == 1.0
-    assert len(paint.palette.colors) == 11
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_brushes_paint_black_and_the_palette_has_even_steps_for_the_eye(registered):
+    add_box((40, 40, 40))
+    paint = bpy.context.scene.tool_settings.image_paint
+    shared = getattr(paint, "unified_paint_settings", None) or bpy.context.tool_settings.unified_paint_settings
+    shared.color = (1.0, 0.0, 0.0)
+    bpy.ops.dualcolor.set_up_painting()
+    assert tuple(shared.color) == (0.0, 0.0, 0.0) and not (paint.brush and any(paint.brush.color))
+    stored = np.array([held.color[:] for held in paint.palette.colors])
+    # Since Blender 5 these colours are linear; what a picture of bytes gets is encoded.
+    shown = srgb_from_linear(stored) if bpy.app.version >= (5, 0) else stored
+    np.testing.assert_allclose(shown, np.linspace(0, 1, 11)[:, None].repeat(3, axis=1), atol=1e-6)
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
