@@ -7,7 +7,7 @@ from typing import Any
 
 import bpy
 
-from .bridge import properties, results, scrubber, soft_proof
+from .bridge import former_looks, properties, results, scrubber, soft_proof
 from .operators import add
 from .operators.analyse import OPERATORS as ANALYSE_OPERATORS
 from .operators.calibrate import OPERATORS as CALIBRATE_OPERATORS
@@ -61,6 +61,7 @@ def register() -> None:
     properties.register()
     results.register()
     scrubber.register()
+    former_looks.register()
     for added in CLASSES:
         bpy.utils.register_class(added)
     scrubber_panel.register()
@@ -85,6 +86,7 @@ def unregister() -> None:
     bpy.types.TOPBAR_MT_file_export.remove(_draw_export_entry)
     for added in reversed(CLASSES):
         bpy.utils.unregister_class(added)
+    former_looks.unregister()
     scrubber.unregister()
     results.unregister()
     properties.unregister()

@@ -27,7 +27,9 @@ _COMPANIONS_KEY = "dualcolor_companions"
 LABELS = ("layer", "feature", "tool")
 """Attributes of each strand."""
 
-_DISPLAY_KEY = "dualcolor_display"
+DISPLAY_KEY = "dualcolor_display"
+"""What an object that is drawn as its bounds looked like before."""
+
 _RATIO_STEP = 1.5
 _ROUNDNESS_LEVELS = 4
 """From oval to round in three steps, each a change of the diameters by a twelfth."""
@@ -132,29 +134,30 @@ def show_print(source: bpy.types.Object, shown: bool) -> None:
     collection = preview_of(source)
     if collection is None:
         return
+    shown = shown and bool(strands_in(collection))  # they may have been deleted by hand
     companions = companions_of(source)
     for other in companions if shown else ():
         show_print(other, False)  # its own print, if it has one, stands in the same place
     for printed in (source, *companions):
-        _show_bounds(printed, shown)
+        show_bounds(printed, shown)
     collection.hide_viewport = collection.hide_render = not shown
 
 
-def _show_bounds(obj: bpy.types.Object, shown: bool) -> None:
+def show_bounds(obj: bpy.types.Object, shown: bool) -> None:
     """Draw an object as its bounds and do not render it, or as it was before that."""
-    if shown and _DISPLAY_KEY not in obj:
-        obj[_DISPLAY_KEY] = {"type": obj.display_type, "hide_render": obj.hide_render}
+    if shown and DISPLAY_KEY not in obj:
+        obj[DISPLAY_KEY] = {"type": obj.display_type, "hide_render": obj.hide_render}
         obj.display_type, obj.hide_render = "BOUNDS", True
-    elif not shown and _DISPLAY_KEY in obj:
-        former = obj[_DISPLAY_KEY]
+    elif not shown and DISPLAY_KEY in obj:
+        former = obj[DISPLAY_KEY]
         obj.display_type, obj.hide_render = former["type"], bool(former["hide_render"])
-        del obj[_DISPLAY_KEY]
+        del obj[DISPLAY_KEY]
 
 
 def is_print_shown(source: bpy.types.Object) -> bool:
     """Whether the strands of an object are visible."""
     collection = preview_of(source)
-    return collection is not None and not collection.hide_viewport
+    return collection is not None and not collection.hide_viewport and bool(strands_in(collection))
 
 
 def set_drawing(scene: bpy.types.Scene) -> None:

@@ -64,13 +64,14 @@ class _ReadsPhoto:
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
-        for note in made.notes:
-            self.report({"WARNING"}, note)
         if is_calibration_tile(obj):
-            self.report({"INFO"}, f"{table_path.name} written: choose it as Calibration File of what you print")
-            return {"FINISHED"}
-        obj.dualcolor.calibration_file, obj.dualcolor.calibration = str(table_path), "file"
-        self.report({"INFO"}, f"{obj.name} is calibrated by {table_path.name}")
+            done = f"{table_path.name} written: choose it as Calibration File of what you print"
+        else:
+            obj.dualcolor.calibration_file, obj.dualcolor.calibration = str(table_path), "file"
+            done = f"{obj.name} is calibrated by {table_path.name}"
+        self.report({"INFO"}, done)
+        for note in made.notes:  # the last message stays in sight
+            self.report({"WARNING"}, note)
         return {"FINISHED"}
 
 

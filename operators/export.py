@@ -10,7 +10,7 @@ from bpy_extras.io_utils import ExportHelper
 from ..bridge.curves import source_of
 from ..bridge.properties import set_report
 from ..core.exports import export_gcode, export_x3g
-from .generate import printed
+from .generate import printed, with_warnings
 from .job import JobOperator, Steps
 from .polls import has_printable
 
@@ -39,7 +39,8 @@ class FileExport(JobOperator, ExportHelper):
         # In one step with the strands: whoever stops the job then finds nothing changed.
         result = WRITERS[self.kind](result, path)
         set_report(obj.dualcolor, result.report)
-        return f"{path.name}: {result.report[self.kind]['bytes'] / 1e6:.1f} MB"
+        self.outcome, message = with_warnings(f"{path.name}: {result.report[self.kind]['bytes'] / 1e6:.1f} MB", result)
+        return message
 
 
 WRITERS = {"gcode": export_gcode, "x3g": export_x3g}

@@ -63,6 +63,14 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
     return result
 
 
+def with_warnings(message: str, result: DualColorPrint) -> tuple[str, str]:
+    """How a message about a print is reported, and the message; it tells of warnings, for only the last one is seen."""
+    count = len(result.warnings)
+    if not count:
+        return "INFO", message
+    return "WARNING", f"{message}; {count} warning{'s' if count > 1 else ''}, see the results in the sidebar"
+
+
 def names_of(result: DualColorPrint) -> str:
     """The name of the print and how many objects it has beside that one."""
     more = len(result.report["objects"]) - 1
@@ -84,8 +92,5 @@ class DUALCOLOR_OT_generate(JobOperator, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         """Print the active object and the other selected ones."""
         result = yield from printed(context, reuse=False)
-        if result.warnings:
-            count = len(result.warnings)
-            said = "1 warning" if count == 1 else f"{count} warnings"
-            self.report({"WARNING"}, f"{said}, see the results in the sidebar")
-        return f"{names_of(result)}: {result.report['layers']} layers"
+        self.outcome, message = with_warnings(f"{names_of(result)}: {result.report['layers']} layers", result)
+        return message

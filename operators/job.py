@@ -28,6 +28,8 @@ class JobOperator:
 
     bl_idname = ""
     running: RunningJob | None = None
+    outcome = "INFO"
+    """How the message at the end is reported; a job that has found something sets it to WARNING."""
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """The job.
@@ -48,7 +50,7 @@ class JobOperator:
             return {"CANCELLED"}
         finally:
             manager.progress_end()
-        self.report({"INFO"}, message)
+        self.report({self.outcome}, message)
         return {"FINISHED"}
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
@@ -77,7 +79,7 @@ class JobOperator:
             self._show(context, *next(self._job))
             outcome = {"RUNNING_MODAL"}
         except StopIteration as finished:
-            self.report({"INFO"}, finished.value)
+            self.report({self.outcome}, finished.value)
             outcome = {"FINISHED"}
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))

@@ -31,7 +31,8 @@ def traces() -> set[str]:
     names |= {f"ops.dualcolor.{name}" for name in dir(bpy.ops.dualcolor)}
     names |= {"Object.dualcolor"} if hasattr(bpy.types.Object, "dualcolor") else set()
     menus = (bpy.types.TOPBAR_MT_file_export, bpy.types.TOPBAR_MT_file_import, bpy.types.VIEW3D_MT_add)
-    entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()] + [*bpy.app.handlers.load_pre]
+    entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()]
+    entries += [*bpy.app.handlers.load_pre, *bpy.app.handlers.depsgraph_update_post]
     return names | {str(entry) for entry in entries if entry.__module__.startswith("dualcolor")}
 
 
@@ -96,6 +97,33 @@ def test_an_active_strand_stands_for_its_source(block):
     assert bpy.ops.dualcolor.generate() == {"FINISHED"}
     assert report_of(block.dualcolor)["layers"] < first["layers"]
     assert len(bpy.data.collections) == 1
+
+
+def test_the_last_message_tells_that_there_are_warnings(block, tmp_path, capfd):
+    block.dualcolor.perimeters, block.dualcolor.infill_density = 1, 0
+    bpy.ops.dualcolor.generate()
+    bpy.ops.dualcolor.export_gcode(filepath=str(tmp_path / "block.gcode"))
+    assert len(report_of(block.dualcolor)["warnings"]) == 1  # it has no picture
+    said = [line for line in capfd.readouterr().out.splitlines() if "see the results" in line]
+    assert [line.split(":")[:2] for line in said] == [["Warning", " Cube"], ["Warning", " block.gcode"]]
+
+
+def test_a_copy_of_a_printed_object_and_one_whose_strands_were_deleted_look_as_before(block):
+    block.dualcolor.perimeters, block.dualcolor.infill_density = 1, 0
+    bpy.ops.dualcolor.generate()
+    copy = block.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    assert copy.display_type == "BOUNDS"
+    bpy.context.view_layer.update()
+    assert copy.display_type == "TEXTURED" and not copy.hide_render
+    assert block.display_type == "BOUNDS" and block.hide_render
+
+    for shown in list(preview_of(block).objects):
+        bpy.data.objects.remove(shown)
+    bpy.context.view_layer.update()
+    assert block.display_type == "TEXTURED" and not block.hide_render and not block.dualcolor.show_print
+    block.dualcolor.show_print = True
+    assert block.display_type == "TEXTURED", "there is nothing to be shown instead"
 
 
 def test_an_error_is_reported_and_nothing_is_made(block):
@@ -195,6 +223,14 @@ def test_the_timer_advances_the_job_to_its_end():
     assert outcome == [{"RUNNING_MODAL"}] * 3 + [{"FINISHED"}]
     assert job.written == [1] and job.reports == [("INFO", "done")]
     assert window.timers == 0 and window.status is None and JobOperator.running is None
+
+
+def test_a_second_job_waits_for_the_first():
+    window, _ = events(Pretended(), ["TIMER"])
+    second = Pretended()
+    assert second.invoke(window, None) == {"CANCELLED"} and second.reports[0][0] == "WARNING"
+    assert window.timers == 1
+    JobOperator.running = None
 
 
 def test_the_progress_is_told():

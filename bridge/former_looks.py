@@ -1,0 +1,42 @@
+"""Objects that are drawn as bounds though no strands stand in their place get back what they looked like.
+
+They are copies of an object that was printed, or their strands have been deleted by hand.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+from .curves import DISPLAY_KEY, SOURCE_KEY, companions_of, is_print_shown, show_bounds
+
+_counted: dict[str, tuple[int, int]] = {}
+
+
+def give_back_looks() -> None:
+    """Look at all objects of the file and mend those."""
+    sources = [held.get(SOURCE_KEY) for held in bpy.data.collections]
+    sources = [held for held in sources if isinstance(held, bpy.types.Object) and is_print_shown(held)]
+    printed = {each for source in sources for each in (source, *companions_of(source))}
+    for obj in bpy.data.objects:
+        if DISPLAY_KEY in obj and obj.is_editable and obj not in printed:
+            show_bounds(obj, False)
+
+
+@bpy.app.handlers.persistent
+def _after_update(*_: object) -> None:
+    """Copying and deleting change the number of objects; nothing is looked at after other changes, such as strokes."""
+    count = len(bpy.data.objects), len(bpy.data.collections)
+    if _counted.get("objects") != count:
+        _counted["objects"] = count
+        give_back_looks()
+
+
+def register() -> None:
+    """Look after each change of the number of objects."""
+    bpy.app.handlers.depsgraph_update_post.append(_after_update)
+
+
+def unregister() -> None:
+    """Look no more."""
+    bpy.app.handlers.depsgraph_update_post.remove(_after_update)
+    _counted.clear()
