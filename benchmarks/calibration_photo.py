@@ -32,7 +32,7 @@ from dualcolor.core.calibration.marks import find_marks  # noqa: E402
 from dualcolor.core.calibration.photo_table import patch_means, read_wedge, wedge_table  # noqa: E402
 from dualcolor.core.calibration.photograph import read_photograph  # noqa: E402
 from dualcolor.core.calibration.step_wedge import patches, references, wedge_plate, wedge_settings  # noqa: E402
-from dualcolor.core.picture_shapes import surface_of  # noqa: E402
+from dualcolor.core.pictures.shapes import surface_of  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402

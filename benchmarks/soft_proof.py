@@ -30,8 +30,8 @@ from dualcolor.bridge.soft_proof import show_proof  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.core.model import FloatArray, ToneImage  # noqa: E402
 from dualcolor.core.pattern.modulation import PERIOD_LAYERS  # noqa: E402
-from dualcolor.core.picture_match import averaged, correlation, in_pixels  # noqa: E402
-from dualcolor.core.picture_shapes import PictureShape, fitted, picture_plate  # noqa: E402
+from dualcolor.core.pictures.match import averaged, correlation, in_pixels  # noqa: E402
+from dualcolor.core.pictures.shapes import PictureShape, fitted, picture_plate  # noqa: E402
 from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402

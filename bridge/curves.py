@@ -10,9 +10,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.beads import Strands, settled, split_by_roundness, strands
 from ..core.model import FloatArray, IntArray, TriangleMesh
-from ..core.strand_marks import marks, moves_of_layers, tone_of_moves
+from ..core.strands.beads import Strands, settled, split_by_roundness, strands
+from ..core.strands.marks import marks, moves_of_layers, tone_of_moves
 from .mesh_input import evaluated_mesh
 from .plastics import plastic
 from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers, strands_in

@@ -17,10 +17,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..core.beads import settled, strands
 from ..core.errors import PrintError
 from ..core.model import Float32Array, FloatArray
 from ..core.settings import PrintSettings
+from ..core.strands.beads import settled, strands
 from ..core.toolpaths.moves import Moves
 from .curves import draws_straight, read_strands, set_drawing, strand_objects
 from .render import BESIDE_THE_OBJECT, leaving_no_trace

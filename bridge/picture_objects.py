@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from ..core.model import ToneImage
-from ..core.picture_shapes import PictureShape
+from ..core.pictures.shapes import PictureShape
 from ..core.settings import PrintSettings
 from ..core.texture.decode import srgb_from_linear
 from .mesh_input import WITH_SURFACE

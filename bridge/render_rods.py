@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..core.model import FloatArray, IntArray
-from ..core.smooth_rods import for_smooth_curves
+from ..core.strands.smooth_rods import for_smooth_curves
 from .curves import draws_straight, new_curves
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..core.beads import offsets
 from ..core.errors import PrintError
-from ..core.tubes import Rods
+from ..core.strands.beads import offsets
+from ..core.strands.tubes import Rods
 from .curves import read_strands
 from .scrubber import strands_in
 from .units import mm_per_unit

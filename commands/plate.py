@@ -9,8 +9,8 @@ from pathlib import Path
 from ..core.errors import SettingsError
 from ..core.outputs import OutputFiles, make_folder
 from ..core.pattern.modulation import PERIOD_LAYERS
-from ..core.picture_match import PictureMatch
-from ..core.picture_shapes import PictureShape, fitted, picture_plate
+from ..core.pictures.match import PictureMatch
+from ..core.pictures.shapes import PictureShape, fitted, picture_plate
 from ..core.settings import PrintSettings
 from .arguments import add_settings, chosen_settings, positive
 from .terminal import Progress
@@ -101,7 +101,7 @@ def _plates(
     from ..bridge.picture_print import picture_print
     from ..bridge.quiet import quiet_stdout
     from ..core.exports import export_gcode
-    from ..core.picture_report import sheet
+    from ..core.pictures.report import sheet
 
     paths, files = outputs
     bar, before = progress
@@ -130,7 +130,7 @@ def _write_tables(
     paths: dict[str, Path],
     files: OutputFiles,
 ) -> None:
-    from ..core.picture_report import pictures_of, table
+    from ..core.pictures.report import pictures_of, table
 
     command = f"./dualcolor plate {' '.join(image.name for image in args.images)} --out {args.out.as_posix()}"
     text = table(rows, (*plate.size, plate.columns, plate.rows), settings, not args.plain_contrast, command)

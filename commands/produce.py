@@ -115,7 +115,7 @@ def save_strands(
     from ..bridge.blend_file import save_blend
     from ..bridge.rods import rods_of
     from ..bridge.views import picture_steps
-    from ..core.mesh_files import write_mesh
+    from ..core.strands.mesh_files import write_mesh
 
     if "mesh" in paths:
         progress.show(1.0, "writing the mesh")

@@ -12,7 +12,7 @@ from bpy_extras.io_utils import ImportHelper, poll_file_object_drop
 from ..bridge.image_input import image_tone, load_image
 from ..bridge.picture_objects import add_picture_object
 from ..core.errors import PrintError
-from ..core.picture_shapes import PictureShape, fitted, picture_plate, picture_tube
+from ..core.pictures.shapes import PictureShape, fitted, picture_plate, picture_tube
 from ..core.settings import PrintSettings
 from .add_figures import DUALCOLOR_OT_add_figure_cylinder, draw_figure_entries
 from .calibrate import DUALCOLOR_OT_add_calibration_tile

@@ -6,7 +6,7 @@ import bpy
 
 from ..bridge.picture_objects import add_picture_object
 from ..core.errors import PrintError
-from ..core.figure_cylinders import FIGURES, figure_cylinder
+from ..core.pictures.figure_cylinders import FIGURES, figure_cylinder
 from ..core.settings import PrintSettings
 from .polls import in_object_mode
 from .viewing import frame_selected, show_pictures

@@ -14,8 +14,8 @@ from ..bridge.render import RenderStoppedError
 from ..bridge.rods import rods_of
 from ..bridge.views import picture_steps
 from ..core.errors import PrintError
-from ..core.mesh_files import write_mesh
 from ..core.outputs import OutputFiles
+from ..core.strands.mesh_files import write_mesh
 from ..core.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
 from .job import JobOperator, Steps
 from .viewing import show_file

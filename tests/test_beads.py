@@ -4,8 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from dualcolor.core.beads import Strands, sag_depth, semi_axes, settled, split_by_roundness, strands
-from dualcolor.core.spans import FARTHEST, unsupported_distance
+from dualcolor.core.strands.beads import Strands, sag_depth, semi_axes, settled, split_by_roundness, strands
+from dualcolor.core.strands.spans import FARTHEST, unsupported_distance
 from dualcolor.core.toolpaths.moves import Feature, Moves
 from strand_volume import volume_mm3
 

@@ -22,7 +22,7 @@ from dualcolor.core.calibration.step_wedge import (
 )
 from dualcolor.core.calibration.table import read_table
 from dualcolor.core.errors import CalibrationError, PrintError
-from dualcolor.core.picture_shapes import surface_of
+from dualcolor.core.pictures.shapes import surface_of
 from dualcolor.core.pipeline import generate
 from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.figure_cylinders import FIGURES, figure_cylinder
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pattern.modulation import layer_is_black, layer_shift
-from dualcolor.core.picture_shapes import surface_of
+from dualcolor.core.pictures.figure_cylinders import FIGURES, figure_cylinder
+from dualcolor.core.pictures.shapes import surface_of
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.outlines import following

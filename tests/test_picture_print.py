@@ -13,8 +13,8 @@ pytest.importorskip("bpy")
 from dualcolor.bridge.picture_print import picture_print
 from dualcolor.cli import main
 from dualcolor.core.model import ToneImage
-from dualcolor.core.picture_match import picture_match
-from dualcolor.core.picture_shapes import picture_plate
+from dualcolor.core.pictures.match import picture_match
+from dualcolor.core.pictures.shapes import picture_plate
 from dualcolor.core.settings import PrintSettings
 
 # Cycles before 5.0 draws strands as denser splines with open ends: 0.83 where 5.0 reaches 0.89 and more.

@@ -5,8 +5,8 @@ import pytest
 from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.model import ToneImage
-from dualcolor.core.picture_match import averaged, cell_means, correlation, enlarged, picture_match
-from dualcolor.core.picture_shapes import fitted, picture_plate, picture_tube, surface_of
+from dualcolor.core.pictures.match import averaged, cell_means, correlation, enlarged, picture_match
+from dualcolor.core.pictures.shapes import fitted, picture_plate, picture_tube, surface_of
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.texture.lookup import tone_at

@@ -1,7 +1,7 @@
 """Lines for a renderer of smooth curves: dense, closed at their ends, else as they were."""
 
 import numpy as np
-from dualcolor.core.smooth_rods import for_smooth_curves
+from dualcolor.core.strands.smooth_rods import for_smooth_curves
 
 
 def test_points_between_and_round_ends():

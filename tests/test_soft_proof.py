@@ -18,8 +18,8 @@ from dualcolor.core.calibration.calibrate import table_for  # noqa: E402
 from dualcolor.core.calibration.gamut_mapping import printable_tones  # noqa: E402
 from dualcolor.core.model import ToneImage  # noqa: E402
 from dualcolor.core.pattern.modulation import PERIOD_LAYERS  # noqa: E402
-from dualcolor.core.picture_match import averaged, correlation, in_pixels  # noqa: E402
-from dualcolor.core.picture_shapes import picture_plate  # noqa: E402
+from dualcolor.core.pictures.match import averaged, correlation, in_pixels  # noqa: E402
+from dualcolor.core.pictures.shapes import picture_plate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.soft_proof import TAPS, proof_table, proof_window, tone_range  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402

@@ -5,7 +5,6 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 from dualcolor.commands.terminal import summary
-from dualcolor.core.beads import strands
 from dualcolor.core.exports import export_gcode, export_x3g
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.mesh import triangulate
@@ -24,6 +23,7 @@ from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
+from dualcolor.core.strands.beads import strands
 from dualcolor.core.texture.pyramid import build_pyramids
 from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.tool_turns import _ends, tool_of_layer

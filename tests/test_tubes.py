@@ -4,10 +4,10 @@ import itertools
 
 import numpy as np
 import pytest
-from dualcolor.core.beads import Strands, settled
 from dualcolor.core.errors import OutputError, PrintError
-from dualcolor.core.mesh_files import write_mesh
-from dualcolor.core.tubes import SIDES, Rods, count, tubes
+from dualcolor.core.strands.beads import Strands, settled
+from dualcolor.core.strands.mesh_files import write_mesh
+from dualcolor.core.strands.tubes import SIDES, Rods, count, tubes
 from strand_volume import volume_mm3
 
 
@@ -116,7 +116,7 @@ def test_both_kinds_of_file_hold_the_same_mesh(tmp_path):
 
 
 def test_large_numbers_of_vertices_are_written_whole():
-    from dualcolor.core import mesh_files
+    from dualcolor.core.strands import mesh_files
 
     numbers = np.array([[1, 9_999, 10_000, 10_203, 1_234_567, 100_000_000, 120_030_004, 100_010_000]])
     assert mesh_files._text(mesh_files._face_words(numbers)).decode().split()[1:] == [str(n) for n in numbers[0]]

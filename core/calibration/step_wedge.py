@@ -14,7 +14,7 @@ import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, ToneImage
 from ..pattern.modulation import PERIOD_LAYERS
-from ..picture_shapes import PictureShape, picture_plate
+from ..pictures.shapes import PictureShape, picture_plate
 from ..settings import PrintSettings
 
 ROWS, COLUMNS = 5, 9

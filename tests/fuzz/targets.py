@@ -11,7 +11,6 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from dualcolor.core.beads import strands
 from dualcolor.core.calibration.photograph import read_photograph
 from dualcolor.core.calibration.sweep import read_sweep
 from dualcolor.core.calibration.table import read_table
@@ -21,6 +20,7 @@ from dualcolor.core.pipeline import DualColorPrint, generate
 from dualcolor.core.presets import PRESETS, read_preset, read_settings, settings_json
 from dualcolor.core.printer import PRINTERS, printer_profile, read_profile
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.strands.beads import strands
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g

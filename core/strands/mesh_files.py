@@ -8,10 +8,10 @@ from typing import BinaryIO
 
 import numpy as np
 
-from .errors import OutputError, PrintError
-from .files import reason
-from .gcode.numbers import FOUR_DIGITS, WordArray, filament_words, word
-from .model import IntArray
+from ..errors import OutputError, PrintError
+from ..files import reason
+from ..gcode.numbers import FOUR_DIGITS, WordArray, filament_words, word
+from ..model import IntArray
 from .tubes import SIDES, Rods, Tubes, count, tubes
 
 _STL_RECORD = [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]

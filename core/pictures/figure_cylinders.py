@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .model import FloatArray, ToneImage
-from .pattern.modulation import PERIOD_LAYERS
-from .picture_shapes import PictureShape, picture_tube
-from .presets import preset_values
-from .settings import PrintSettings
+from ..model import FloatArray, ToneImage
+from ..pattern.modulation import PERIOD_LAYERS
+from ..presets import preset_values
+from ..settings import PrintSettings
+from .shapes import PictureShape, picture_tube
 
 _PAPER = "paper"
 _BANDS = 9  # of the phase shifted cylinder: from no shift over half a wave in its middle back to none

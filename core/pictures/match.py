@@ -6,11 +6,11 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from .model import BoolArray, Float32Array, FloatArray
-from .pattern.modulation import PERIOD_LAYERS
-from .pattern.wave import WavedOutlines
-from .settings import PrintSettings
-from .slicing.outlines import following
+from ..model import BoolArray, Float32Array, FloatArray
+from ..pattern.modulation import PERIOD_LAYERS
+from ..pattern.wave import WavedOutlines
+from ..settings import PrintSettings
+from ..slicing.outlines import following
 
 
 @dataclass(frozen=True)

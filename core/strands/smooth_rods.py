@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..model import FloatArray, IntArray
 from .beads import offsets
-from .model import FloatArray, IntArray
 
 _PIECE = 1.2  # radii between points, at most
 _CAP = ((0.6, 0.8), (0.9, 0.44), (1.0, 0.02))  # radii beyond an end, and the share of the radius there

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import MeshError
-from .model import BoolArray, Float32Array, FloatArray, IntArray, SurfaceModel, ToneImage
-from .settings import PrintSettings
-from .slicing.outlines import starts
+from ..errors import MeshError
+from ..model import BoolArray, Float32Array, FloatArray, IntArray, SurfaceModel, ToneImage
+from ..settings import PrintSettings
+from ..slicing.outlines import starts
 
 _FACET_MM = 1.0  # sides of what is round
 _LEAST_FACETS = 48

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from .model import Float32Array, FloatArray
-from .pattern.modulation import PERIOD_LAYERS
-from .picture_match import PictureMatch, averaged, enlarged, in_pixels
-from .settings import PrintSettings
-from .viewing import Picture, contact_sheet, encoded
+from ..model import Float32Array, FloatArray
+from ..pattern.modulation import PERIOD_LAYERS
+from ..settings import PrintSettings
+from ..viewing import Picture, contact_sheet, encoded
+from .match import PictureMatch, averaged, enlarged, in_pixels
 
 _SHEET_MM_PER_PIXEL = 0.1
 _HEAD = """# Pictures on plates

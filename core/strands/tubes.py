@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..model import BoolArray, FloatArray, IntArray
+from ..slicing.outlines import ranges
 from .beads import Strands, offsets, semi_axes
-from .model import BoolArray, FloatArray, IntArray
-from .slicing.outlines import ranges
 
 SIDES = 8
 _LONGEST_MITRE = 2.0

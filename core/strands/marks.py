@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model import FloatArray, IntArray
+from ..pattern.wave import WavedOutlines
+from ..toolpaths.moves import Feature, Moves
 from .beads import Strands
-from .model import FloatArray, IntArray
-from .pattern.wave import WavedOutlines
-from .toolpaths.moves import Feature, Moves
 
 NO_TONE = -1.0
 _CELL = 1e-4  # mm; places that are nearer are the same

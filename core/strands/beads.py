@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .model import BoolArray, FloatArray, IntArray
-from .slicing.outlines import ranges
+from ..model import BoolArray, FloatArray, IntArray
+from ..slicing.outlines import ranges
+from ..toolpaths.moves import Moves
 from .spans import unsupported_distance
-from .toolpaths.moves import Moves
 
 _PIECE = 0.25  # mm between the points of a line over air, at least where it begins to be
 _TOUCHING = 0.01  # mm; lines side by side are a half width away from one between them, give or take the last digit
