@@ -9,7 +9,9 @@ from dataclasses import dataclass, replace
 from shapely import Geometry, get_parts
 
 from .checks import check
+from .fill.parallel import Shapes
 from .fill.paths import fill_areas, fill_lines
+from .model import TriangleMesh
 from .pattern.contours import Contours
 from .progress import Progress
 from .settings import PrintSettings
@@ -24,6 +26,7 @@ from .toolpaths.assemble import assemble
 from .toolpaths.moves import Moves, Paths
 from .toolpaths.order import ordered
 from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
+from .toolpaths.overhangs import with_overhangs
 from .toolpaths.raft import lifted, raised
 from .toolpaths.surroundings import ground, shadow, surrounding_paths
 from .toolpaths.travels import Rooms, rooms
@@ -78,14 +81,16 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     within = run("rooms", rooms, inside, cut.polygon_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
-    moves = run("toolpaths", _moves, outer, inner, around.result(), cut.layers, within, settings)
+    below = (wall.mesh, known.outlines)
+    moves = run("toolpaths", _moves, outer, inner, around.result(), cut.layers, within, *below, settings)
     return PrintedPaths(inner, around.result(), within, moves, thin, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
     """The print with each layer's whole wall in the layer's own colour, to tell what the tool changes cost."""
     outer = outer_wall_paths(replace(wall.outlines, swapped=None))
-    return _moves(outer, paths.inner, paths.around, wall.cut.layers, paths.within, settings)
+    below = (wall.mesh, wall.closing.result().outlines)
+    return _moves(outer, paths.inner, paths.around, wall.cut.layers, paths.within, *below, settings)
 
 
 def _joined(fill: Paths, holding: Paths) -> Paths:
@@ -102,8 +107,18 @@ def _surroundings(shade: Geometry, cut: Slices, holding: Supports, wall: Paths, 
     return surrounding_paths(ground(shade, first, wall, settings), raised(cut.layers, settings), settings)
 
 
-def _moves(wall: Paths, inner: Paths, around: Paths, layers: Layers, within: Rooms, settings: PrintSettings) -> Moves:
-    paths = Paths.joined([lifted(wall, settings), lifted(inner, settings), around])
-    moves = assemble(ordered(paths, settings), raised(layers, settings), settings, within)
+def _moves(
+    wall: Paths,
+    inner: Paths,
+    around: Paths,
+    layers: Layers,
+    within: Rooms,
+    mesh: TriangleMesh,
+    outlines: Shapes,
+    settings: PrintSettings,
+) -> Moves:
+    paths = ordered(Paths.joined([lifted(wall, settings), lifted(inner, settings), around]), settings)
+    paths = with_overhangs(paths, mesh, outlines, layers.plane, settings)
+    moves = assemble(paths, raised(layers, settings), settings, within)
     check(moves, settings)
     return moves

@@ -211,6 +211,9 @@ class PrintSettings:
     outline_speed: float = setting(40.0, "Speed of walls", "mm/s", 1.0, 300.0)
     wave_speed: float = setting(30.0, "Speed of the waved outline along its path", "mm/s", 1.0, 300.0)
     skin_speed: float = setting(60.0, "Speed of solid top and bottom fill", "mm/s", 1.0, 300.0)
+    overhang_speed: float = setting(
+        15.0, "Greatest speed where walls hang over air; 0 does not slow them", "mm/s", 0.0, 300.0
+    )
     bridge_speed: float = setting(40.0, "Speed of solid fill over air", "mm/s", 1.0, 300.0)
     infill_speed: float = setting(80.0, "Speed of sparse fill", "mm/s", 1.0, 300.0)
     tower_speed: float = setting(80.0, "Speed of the cleaning tower", "mm/s", 1.0, 300.0)

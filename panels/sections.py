@@ -135,6 +135,7 @@ PRINT_DETAILS = (
             "outline_speed",
             "skin_speed",
             "bridge_speed",
+            "overhang_speed",
             "infill_speed",
             "tower_speed",
             "support_speed",

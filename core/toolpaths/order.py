@@ -30,6 +30,7 @@ class OrderedPaths:
         feature: (K,) int64.
         island: (K,) int64, see `Paths`.
         swapped: (K,) bool, see `Paths`; here for the tower too.
+        over_air: (N,) bool, whether the line that leaves each point is a wall over air; None where none is.
     """
 
     points: FloatArray
@@ -39,6 +40,7 @@ class OrderedPaths:
     feature: IntArray
     island: IntArray
     swapped: BoolArray | None = None
+    over_air: BoolArray | None = None
 
 
 def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:

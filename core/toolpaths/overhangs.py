@@ -1,0 +1,223 @@
+"""Parts of walls that hang over air: where nothing of the layer below reaches under the line.
+
+Only a few walls of a print do, so coarser questions come before the one that asks for the layer below: which faces are
+flat enough, in which layers and cells of a grid they lie, and which lines pass through those.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from ..fill.parallel import Shapes
+from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..settings import PrintSettings
+from ..slicing.outlines import ranges
+from .moves import Feature
+from .order import OrderedPaths
+
+_PIECE = 1.0  # mm; lines are looked at in pieces about so long
+_SHORTEST = 1.5  # mm; a strand carries itself over less, and less between two parts over air belongs to them
+_CELL = 2.0  # mm
+_STRETCH = 1.0  # mm; so much of a line is looked for in the cells at a time
+
+
+@dataclass(frozen=True)
+class Undersides:
+    """Where the object's flat undersides are, so coarsely that all but a few walls are done with at once.
+
+    Attributes:
+        on: (L,) bool, layers that may hang over the one below somewhere.
+        corner: (2,) mm, of the cells.
+        cells: (L, X, Y) bool, `_CELL` mm wide, where that may be; they reach farther than all walls.
+    """
+
+    on: BoolArray
+    corner: FloatArray
+    cells: BoolArray
+
+    def near(self, x: FloatArray, y: FloatArray, layer: IntArray) -> BoolArray:
+        """(N,) whether places on layers lie in such a cell."""
+        _, columns, rows = self.cells.shape
+        column = ((x - self.corner[0]) / _CELL).astype(np.intp)
+        row = ((y - self.corner[1]) / _CELL).astype(np.intp)
+        return np.asarray(self.cells.ravel().take((layer * columns + column) * rows + row, mode="clip"))
+
+
+def _crest_mm(settings: PrintSettings) -> float:
+    """How far waves swing the outer wall outwards, which is not to be slowed for it."""
+    return 0.0 if settings.pattern == "offset" else settings.wave_depth_max / 2
+
+
+def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -> Undersides | None:
+    """Where the faces are so flat that the outline may move by more than a line's width from a layer to the next.
+
+    Where all faces are steeper, every line lies on a line.
+
+    Args:
+        mesh: as sliced.
+        plane: (L,) mm, where the layers are cut.
+        settings: of the print.
+
+    Returns:
+        None where no line can hang over air.
+    """
+    rise = float(np.diff(plane).max(initial=0.0))
+    x, y, z = mesh.area_normals.T
+    is_inside_out = float(z @ mesh.vertices[:, 2].take(mesh.faces[:, 0])) < 0
+    flat = (z * rise) ** 2 > settings.extrusion_width**2 * (x * x + y * y)
+    flat &= (z > 0) if is_inside_out else (z < 0)
+    corners = mesh.vertices.T.take(mesh.faces[flat].T, axis=1)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    # The first layer above the bottom of each face, and the first above its top.
+    first = np.maximum(np.searchsorted(plane, low[2]), 1)
+    layers = np.minimum(np.searchsorted(plane, high[2], side="right"), len(plane) - 1) + 1 - first
+    if not (layers > 0).any():
+        return None
+    layers = np.maximum(layers, 0)
+    margin = settings.extrusion_width + _crest_mm(settings) + _STRETCH / 2
+    corner = mesh.bounds[0, :2] - margin - _CELL
+    begin, end = (((side - corner[:, None]) / _CELL).astype(np.int64) for side in (low[:2] - margin, high[:2] + margin))
+    sizes = ((mesh.bounds[1, :2] + margin + _CELL - corner) / _CELL).astype(np.int64) + 1
+    on, cells = np.zeros(len(plane), dtype=bool), np.zeros((len(plane), *sizes.tolist()), dtype=bool)
+    columns, rows = end - begin + 1
+    count = layers * columns * rows
+    face = np.repeat(np.arange(len(count)), count)
+    number, row = np.divmod(ranges(np.zeros_like(count), count), rows.take(face))
+    number, column = np.divmod(number, columns.take(face))
+    layer = number + first.take(face)
+    on[layer] = cells[layer, column + begin[0].take(face), row + begin[1].take(face)] = True
+    return Undersides(on, corner, cells)
+
+
+def with_overhangs(
+    paths: OrderedPaths, mesh: TriangleMesh, outlines: Shapes, plane: FloatArray, settings: PrintSettings
+) -> OrderedPaths:
+    """The paths with those lines of walls marked that hang over air, cut where they begin to.
+
+    Args:
+        paths: in printing order.
+        mesh: as sliced.
+        outlines: (L,) cross-section of each layer of the object.
+        plane: (L,) mm, where they were cut.
+        settings: `overhang_speed` says whether it matters; `raft_layers` lie below the object's.
+
+    Returns:
+        `over_air` is None where nothing hangs.
+    """
+    hanging = undersides(mesh, plane, settings) if settings.overhang_speed > 0 else None
+    if hanging is None:
+        return paths
+    layer = paths.layer - settings.raft_layers
+    walls = (paths.feature == Feature.OUTER_WALL) | (paths.feature == Feature.INNER_WALL)
+    chosen = np.flatnonzero(walls & hanging.on.take(layer, mode="clip"))
+    chords = np.diff(paths.start)[chosen] - 1
+    lines = _Lines(paths.points, ranges(paths.start[chosen], chords), np.repeat(layer[chosen], chords))
+    near = hanging.near(lines.x + lines.step_x / 2, lines.y + lines.step_y / 2, lines.layer)
+    long = np.flatnonzero(lines.length > _STRETCH)
+    of, _, x, y = lines.selected(long).pieces(_STRETCH)
+    near[long[of[hanging.near(x, y, lines.layer[long[of]])]]] = True
+    lines = lines.selected(np.flatnonzero(near))
+    of, share, x, y = lines.pieces(_PIECE)
+    length = (lines.length / np.bincount(of, minlength=len(lines.length))).take(of)
+    group = np.cumsum(np.diff(lines.chord, prepend=lines.chord[:1]) != 1).take(of)  # lines that follow each other
+    asked = _one_each(length, group)
+    reach = settings.extrusion_width / 2 + _crest_mm(settings)
+    free = _free(lines, of[asked], np.array([x[asked], y[asked]]), outlines, reach)
+    if not free.any():
+        return paths
+    free = _long_parts(np.repeat(free, np.diff(np.append(asked, len(of)))), length, group)
+    return _cut(paths, lines.chord[of], share, free) if free.any() else paths
+
+
+class _Lines:
+    """Some of the straight lines of paths.
+
+    Attributes:
+        chord: (C,) points that they leave.
+        layer: (C,) of the object.
+        x, y, step_x, step_y, length: (C,) mm.
+    """
+
+    def __init__(self, points: FloatArray, chord: IntArray, layer: IntArray) -> None:
+        self._points, self.chord, self.layer = points, chord, layer
+        (self.x, self.y), (to_x, to_y) = points.take(chord, axis=0).T, points.take(chord + 1, axis=0).T
+        self.step_x, self.step_y = to_x - self.x, to_y - self.y
+        self.length = np.sqrt(self.step_x * self.step_x + self.step_y * self.step_y)
+
+    def selected(self, which: IntArray) -> _Lines:
+        """Those of the given numbers."""
+        return _Lines(self._points, self.chord[which], self.layer[which])
+
+    def pieces(self, longest: float) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+        """Pieces no longer than this: (P,) line, the share of it before the piece, x and y of the piece's middle."""
+        count = np.maximum(np.ceil(self.length / longest), 1).astype(np.int64)
+        of = np.repeat(np.arange(len(count)), count)
+        number = ranges(np.zeros_like(count), count)
+        pieces = count.take(of)
+        middle = (number + 0.5) / pieces
+        x, y = self.x.take(of) + middle * self.step_x.take(of), self.y.take(of) + middle * self.step_y.take(of)
+        return of, number / pieces, x, y
+
+
+def _one_each(length: FloatArray, group: IntArray) -> IntArray:
+    """Of pieces much shorter than `_PIECE` one for all that lie as near; the first of each group (P,) is among them."""
+    way = np.cumsum(length)
+    begins = np.ones(len(way), dtype=bool)
+    window = (way / _PIECE).astype(np.int64)
+    begins[1:] = (window[1:] != window[:-1]) | (group[1:] != group[:-1])
+    return np.flatnonzero(begins)
+
+
+def _free(lines: _Lines, of: IntArray, middle: FloatArray, outlines: Shapes, reach: float) -> BoolArray:
+    """(P,) whether the outline below carries nothing so far to either side of the middles (2, P) of pieces."""
+    free = np.ones(len(of), dtype=bool)
+    used, layer = np.unique(lines.layer - 1, return_inverse=True)
+    below = shapely.force_2d(outlines[used])  # a copy: a prepared shape must not be shared between threads
+    shapely.prepare(below)
+    aside = np.array([-lines.step_y, lines.step_x]) * (reach / np.maximum(lines.length, 1e-9))
+    for side in (1.0, -1.0):
+        rows = np.flatnonzero(free)
+        line = of[rows]
+        x, y = middle[:, rows] + side * aside[:, line]
+        free[rows] = ~shapely.contains_xy(below[layer[line]], x, y)
+    return free
+
+
+def _long_parts(free: BoolArray, length: FloatArray, group: IntArray) -> BoolArray:
+    """(P,) marks of pieces, of which short gaps are filled and what is too short is dropped then."""
+    for wanted in (False, True):
+        begins = np.ones(len(free), dtype=bool)
+        begins[1:] = (free[1:] != free[:-1]) | (group[1:] != group[:-1])
+        first = np.flatnonzero(begins)
+        short = (np.add.reduceat(length, first) < _SHORTEST) & (free[first] == wanted)
+        if not wanted:  # a gap has parts of the same group on both sides
+            own = group[first]
+            short[1:-1] &= (own[:-2] == own[1:-1]) & (own[1:-1] == own[2:])
+            short[[0, -1]] = False
+        free = free ^ np.repeat(short, np.diff(np.append(first, len(free))))
+    return free
+
+
+def _cut(paths: OrderedPaths, chord: IntArray, share: FloatArray, free: BoolArray) -> OrderedPaths:
+    """Points where marks change within a line, and the marks of all lines.
+
+    Args:
+        paths: in printing order.
+        chord: (P,) the point that each piece's line leaves.
+        share: (P,) of the line before it.
+        free: (P,) of the pieces.
+    """
+    number = len(paths.points)
+    at = np.flatnonzero((share > 0) & (free != np.roll(free, 1)))
+    source = np.repeat(np.arange(number), 1 + np.bincount(chord[at], minlength=number))
+    marks = np.zeros(number, dtype=bool)
+    marks[chord[share == 0]] = free[share == 0]
+    points, marks = paths.points.take(source, axis=0), marks.take(source)
+    new = chord[at] + 1 + np.arange(len(at))
+    near, far = paths.points[chord[at]], paths.points[chord[at] + 1]
+    points[new], marks[new] = near + share[at, None] * (far - near), free[at]
+    start = paths.start + np.searchsorted(chord[at], paths.start)
+    return replace(paths, points=points, width=paths.width.take(source), start=start, over_air=marks)
