@@ -172,6 +172,17 @@ def test_other_settings_than_the_simulations_give_the_upright_wall_alone(tmp_pat
     assert not made.table.about.differences(settings)
 
 
+def test_patches_are_averaged_as_they_are_and_not_as_they_are_seen():
+    """From close by at a slant the nearer half of a patch has more pixels; light that rises evenly across tells."""
+    marks = np.array([(100.0, 150.0), (1300.0, 450.0), (1300.0, 750.0), (100.0, 1050.0)])
+    row, column = np.indices((1200, 1400))
+    pixel = np.stack([column.ravel(), row.ravel()], axis=1) + 0.5
+    place = projected(np.linalg.inv(square_to(marks)), pixel) * (MARKS[2] - MARKS[0]) + MARKS[0]
+    photo = Photograph((1.0 + place[:, 0]).reshape(row.shape).astype(np.float32), np.zeros(row.shape, dtype=bool))
+    mean, _ = patch_means(photo, marks, patches(DEFAULT))
+    np.testing.assert_allclose(mean[1:-1, 1:-1], np.broadcast_to(1.5 + np.arange(1, COLUMNS - 1), (3, 7)), atol=2e-3)
+
+
 def test_blobs_on_a_patch_do_not_count(tmp_path):
     light = light_on_wedge(SHAPE, TILTED, simulated, DEFAULT)
     marks, size = marks_in(TILTED), patches(DEFAULT)

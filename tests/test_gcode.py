@@ -179,6 +179,18 @@ def test_progress_follows_time_not_lines():
     assert told[1] > 80  # of the time, while half of the lines are still to come
 
 
+def test_a_print_is_not_done_before_its_end_even_if_its_last_layer_takes_no_time():
+    lines = body(gcode_text(rosette(3, 30), PrintSettings(), [], np.array([0.0, 5.0, 10.0, 10.0])))
+    assert [line for line in lines if line.startswith("M73")] == ["M73 P50", "M73 P99"]
+
+
+def test_no_line_asks_for_more_than_the_axes_can_do():
+    moves = rosette(1, 30)
+    moves.speed[:] = 500.0
+    feedrates = [int(line.split("F")[1]) for line in body(gcode_text(moves, PrintSettings(), [])) if " F" in line]
+    assert set(feedrates) == {PrintSettings().printer_profile.max_speed_mm_s[0] * 60}
+
+
 def start_of(moves, settings=None):
     text = gcode_text(moves, settings or PrintSettings(), []).decode("ascii")
     return text[text.index("M136") : text.index("; layer 0")].splitlines()
@@ -194,6 +206,14 @@ def test_start_leaves_what_the_moves_take_up():
     assert {"M104 S220 T0", "M104 S240 T1", "M109 S110 T0"} <= set(lines)
     fed, pulled_back = (float(line.split("B")[1].split()[0]) for line in lines if " B" in line and "G1" in line)
     assert fed - pulled_back == pytest.approx(4.0)  # the first tool change primes by this
+
+
+def test_nozzles_wait_warm_but_not_hot_while_the_bed_heats():
+    lines = start_of(rosette(2, 9), PrintSettings(nozzle_temperature_0=220, nozzle_temperature_1=120))
+    heats = [line for line in lines if line.startswith(("M104", "M134", "M133"))]
+    assert heats == [
+        "M104 S140 T0", "M104 S120 T1", "M134 T0", "M104 S220 T0", "M104 S120 T1", "M133 T0", "M133 T1"
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("front", [-60.0, -73.0])

@@ -52,6 +52,7 @@ def test_picture_has_texels_no_larger_than_asked(registered):
     add_uvs(box)  # each face fills the square
     assert picture_size(box, 0.5) == 256  # 200 texels are needed
     assert picture_size(box, 0.125) == 1024  # 800 are needed
+    assert picture_size(box, 0.19) == 1024  # 526, more than 512
 
 
 def test_painting_is_set_up_on_a_bare_mesh(registered):

@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor.bridge.curves import build_preview, read_strands  # noqa: E402
-from dualcolor.bridge.scrubber import KINDS, last_layer, moves_shown  # noqa: E402
+from dualcolor.bridge.scrubber import KINDS, last_layer, moves_shown, strands_in  # noqa: E402
 from dualcolor.bridge.strand_colours import LEGENDS, legend_of  # noqa: E402
 from dualcolor.core.toolpaths.moves import Feature  # noqa: E402
 
@@ -126,3 +126,16 @@ def test_every_colour_has_a_legend_and_an_attribute(preview, colour_by):
         colours = [tuple(stop.color)[:3] for stop in ramp.color_ramp.elements]
         np.testing.assert_allclose(colours, [colour for _, colour in LEGENDS[colour_by].entries], atol=1e-6)
     assert 2 <= len(legend_of(colour_by)) <= len(LEGENDS[colour_by].entries)
+
+
+@pytest.mark.parametrize("colour_by", ["FEATURE", "TOOL"])
+def test_each_number_has_the_colour_that_its_legend_says(preview, colour_by):
+    """The middle of a number's band in the ramp, which begins half a number before the first."""
+    preview.dualcolor_view.colour_by = colour_by
+    nodes = strands_in(preview)[0].material_slots[0].material.node_tree.nodes
+    scale = next(node for node in nodes if node.type == "MAP_RANGE").inputs
+    ramp = next(node for node in nodes if node.type == "VALTORGB").color_ramp
+    low, high = scale["From Min"].default_value, scale["From Max"].default_value
+    for number, (_, colour) in enumerate(LEGENDS[colour_by].entries):
+        for value in (number - 0.4, number, number + 0.4):
+            np.testing.assert_allclose(ramp.evaluate((value - low) / (high - low))[:3], colour, atol=1e-6)

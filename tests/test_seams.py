@@ -46,6 +46,15 @@ def test_valleys_of_a_wave(phase, turn):
     assert radius == pytest.approx(9.6 - turn * 0.25, abs=0.01)
 
 
+def test_of_deep_and_shallow_valleys_only_the_deep_ones_hide_a_seam():
+    angle = np.linspace(0, 2 * np.pi, 1200, endpoint=False)
+    depth = np.where(angle < np.pi, 0.8, 0.2)
+    way = 10 + depth / 2 * np.cos(40 * angle)
+    loop = np.column_stack([way * np.cos(angle), way * np.sin(angle)])
+    found = angle[valleys(loop, np.array([0, len(loop)]), 0.75)]
+    assert len(found) >= 19 and (found < np.pi + 0.1).all()
+
+
 def test_seam_in_the_valley_nearest_to_the_rear_then_to_the_one_below():
     waves = [wave(10, 40, 0.6, phase=phase) for phase in (0.0, 0.0, np.pi, np.pi, 0.0)]
     seams = begun(loops(*waves), seam_position="valley")

@@ -62,6 +62,17 @@ def test_half_a_queue_of_short_moves_takes_its_time():
     assert (speeds(wall(short * 25), settings)[:-1] == 200).all()
 
 
+def test_only_long_moves_within_half_a_queue_help_short_ones():
+    """The queue holds 16 moves: eight around each chord count, and one of them is long."""
+    steps = np.full(40, 0.1)
+    steps[20] = 10.0
+    line = np.column_stack([np.cumsum([0, *steps]), np.zeros(41)])
+    speed = speeds(wall(line), FREE.changed({"min_move_time": 10}))[:-1]
+    slow = np.flatnonzero(speed < 100)
+    np.testing.assert_allclose(speed[slow], 10.0)
+    assert 40 - len(slow) == 8 and 20 not in slow
+
+
 def test_paths_do_not_see_each_other():
     fine, long = circle(0.2, 30), np.array([[50.0, 0], [90, 0]])
     both = OrderedPaths(

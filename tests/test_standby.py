@@ -57,6 +57,15 @@ def test_short_layers_keep_both_nozzles_hot(seconds, slow):
     assert standby_warnings(quick, quick_seconds, PrintSettings()) == []
 
 
+@pytest.mark.parametrize(("times", "short"), [(1.7, 4), (2.1, 0)])
+def test_a_nozzle_is_cooled_only_if_it_rests_as_long_again_as_it_heats(slow, seconds, times, short):
+    change = np.flatnonzero(np.diff(slow.tool)) + 1
+    idle = np.add.reduceat(seconds, change)[:-1]
+    assert np.ptp(idle) < 0.05 * idle.min()
+    settings = SETTINGS.changed({"standby_temperature_delta": 1, "preheat_time": float(idle.min()) / times})
+    assert standby(slow, seconds, settings).short == short
+
+
 def commands(text):
     lines = text.decode("ascii").splitlines()
     body = lines[lines.index("; layer 0") : lines.index("M18 A B")]

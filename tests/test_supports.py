@@ -110,6 +110,14 @@ def test_a_beginning_in_the_air_is_held_by_a_column_that_stands():
     assert under and under[0].area > 10
 
 
+@pytest.mark.parametrize(("width", "worth_it"), [(0.8, False), (2.0, True)])
+def test_a_bump_that_holds_by_itself_gets_no_column(width, worth_it):
+    """A peg on a wall: what of it a column has room for, beyond the air beside the wall, is 2 or 5 mm²."""
+    wall, peg = box((-5, -5, 0), (5, 5, 20)), box((4, -width / 2, 10), (8.5, width / 2, 13))
+    _, made = held(joined(wall, peg))
+    assert bool(len(made.paths.layer)) == worth_it
+
+
 @pytest.mark.parametrize(("height", "thickness"), [(20, 4.0), (90, 7.5)])
 def test_a_tall_column_is_thicker(height, thickness):
     """Below a pin of 2 mm² that hangs from a roof: a twelfth of its height, 4 mm at least; the roof gets no support."""

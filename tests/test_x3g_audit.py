@@ -154,6 +154,7 @@ def test_moves_that_say_something_wrong():
         ("distance", np.inf, "no length or no speed"),
         ("speed", 0, "no length or no speed"),
         ("distance", 40.0, "not as long as it says"),
+        ("distance", record(parts[at])["distance"] + 0.2, "not as long as it says"),
         ("speed", 400 * 64 + 1, "faster than it can"),
     ):
         broken = record(parts[at])
