@@ -16,6 +16,7 @@ from .operators.check_model import OPERATORS as CHECK_OPERATORS
 from .operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from .operators.generate import DUALCOLOR_OT_generate
 from .operators.import_print import DUALCOLOR_OT_import_print
+from .operators.job import stop_job
 from .operators.orientation import OPERATORS as ORIENTATION_OPERATORS
 from .operators.painting import OPERATORS as PAINTING_OPERATORS
 from .operators.presets import OPERATORS as PRESET_OPERATORS
@@ -75,6 +76,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Remove them in the reverse order."""
+    stop_job(bpy.context)
     soft_proof.hide_all_proofs()
     while _handles:
         bpy.utils.unregister_cli_command(_handles.pop())

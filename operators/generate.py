@@ -16,6 +16,7 @@ from ..core.progress import Progress, retold
 from ..core.settings import PrintSettings
 from .job import JobOperator, Steps
 from .polls import has_printable
+from .viewing import make_active
 
 _SHARE_OF_PIPELINE = 0.95
 
@@ -58,6 +59,8 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
         yield _SHARE_OF_PIPELINE, "strands"
         check_present(objects)
         build_preview(result, obj, others)
+        if context.object is None:  # one of the former strands was active
+            make_active(context, obj)
         set_report(obj.dualcolor, result.report)
         keep(obj, digest, result)
     return result

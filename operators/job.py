@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import bpy
@@ -30,6 +31,8 @@ class JobOperator:
     running: RunningJob | None = None
     outcome = "INFO"
     """How the message at the end is reported; a job that has found something sets it to WARNING."""
+
+    _current: JobOperator | None = None
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """The job.
@@ -59,7 +62,8 @@ class JobOperator:
             self.report({"WARNING"}, f"Wait for the end of the job that is running ({JobOperator.running.stage})")
             return {"CANCELLED"}
         manager = context.window_manager
-        self._job = self.steps(context)
+        JobOperator._current = self
+        self._job, self._workspace = self.steps(context), context.workspace
         self._timer = manager.event_timer_add(0.02, window=context.window)
         manager.progress_begin(0, 100)
         manager.modal_handler_add(self)
@@ -90,18 +94,25 @@ class JobOperator:
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Stop the job wherever it is; Blender calls this too when its window closes."""
+        JobOperator.running = JobOperator._current = None
         self._job.close()
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
-        context.workspace.status_text_set(None)
-        JobOperator.running = None
+        with suppress(ReferenceError):  # another file is opened
+            self._workspace.status_text_set(None)
         _redraw_sidebars(context)
 
     def _show(self, context: bpy.types.Context, share: float, stage: str) -> None:
         JobOperator.running = RunningJob(share, stage, type(self).bl_idname)
         context.window_manager.progress_update(100 * share)
-        context.workspace.status_text_set(f"Dual Color: {stage} ({share:.0%})    Esc: cancel")
+        self._workspace.status_text_set(f"Dual Color: {stage} ({share:.0%})    Esc: cancel")
         _redraw_sidebars(context)
+
+
+def stop_job(context: bpy.types.Context) -> None:
+    """Stop the job that is running, if there is one: Blender does not tell it that the extension is disabled."""
+    if JobOperator._current:
+        JobOperator._current.cancel(context)
 
 
 def _redraw_sidebars(context: bpy.types.Context) -> None:

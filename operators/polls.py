@@ -23,7 +23,9 @@ def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether a mesh with faces is active and not in Edit Mode; sets the poll message."""
     obj = context.object
     if obj is None or obj.type != "MESH" or not len(obj.data.polygons):
-        cls.poll_message_set("Select a mesh object with faces first")
+        source = source_of(obj)
+        named = "a mesh object with faces" if source == obj else f"{source.name}, whose strands these are,"
+        cls.poll_message_set(f"Select {named} first")
         return False
     if obj.mode == "EDIT":
         cls.poll_message_set("Leave Edit Mode first")

@@ -17,6 +17,13 @@ def frame_selected(context: bpy.types.Context) -> None:
             bpy.ops.view3d.view_selected()
 
 
+def make_active(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Have an object active and selected, if it is in the view layer."""
+    if obj.name in context.view_layer.objects:
+        context.view_layer.objects.active = obj
+        obj.select_set(True)
+
+
 def show_pictures(context: bpy.types.Context) -> None:
     """Have a solid view show the pictures on objects instead of one colour for each material."""
     if context.area is None or context.area.type != "VIEW_3D":

@@ -15,7 +15,7 @@ from ..operators.painting import (
 )
 from ..operators.soft_proof import DUALCOLOR_OT_soft_proof
 from ..operators.unwrap import DUALCOLOR_OT_unwrap_smart, DUALCOLOR_OT_unwrap_xatlas, has_xatlas
-from .prepare import LEAVE_EDIT_MODE
+from .prepare import why_grey
 from .rows import draw_progress, draw_sentence, draw_settings
 from .sections import PAINT
 from .tab import ObjectPanel, order_of
@@ -40,7 +40,7 @@ class DUALCOLOR_PT_paint(ObjectPanel, bpy.types.Panel):
         column.operator(DUALCOLOR_OT_bake_occlusion.bl_idname, icon="SHADING_RENDERED")
         draw_progress(layout, DUALCOLOR_OT_bake_occlusion)
         _draw_soft_proof(layout, context, obj)
-        for hint in hints(obj):
+        for hint in hints(obj, context.object):
             draw_sentence(layout, context, hint, "INFO")
         row = layout.split(factor=0.25)
         row.label(text="Image")
@@ -59,12 +59,17 @@ def _draw_soft_proof(layout: bpy.types.UILayout, context: bpy.types.Context, obj
         draw_sentence(layout, context, note, "INFO")
 
 
-def hints(obj: bpy.types.Object) -> list[str]:
-    """Why some of the buttons are grey, and where the tone comes from if no image is chosen."""
+def hints(obj: bpy.types.Object, active: bpy.types.Object | None = None) -> list[str]:
+    """Why some of the buttons are grey, and where the tone comes from if no image is chosen.
+
+    Args:
+        obj: what is printed.
+        active: what is selected: that, or strands of it.
+    """
     if obj.type != "MESH":
         return ["Only meshes can be painted: Object > Convert > Mesh"]
-    if obj.mode == "EDIT":
-        return [LEAVE_EDIT_MODE]
+    if reason := why_grey(obj, active or obj):
+        return [reason]
     found = [] if has_xatlas() else ["xatlas is not installed here: Smart UV Project does it too"]
     picture = picture_of(obj)
     painted = obj.data.color_attributes.active_color

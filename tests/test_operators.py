@@ -18,7 +18,8 @@ from dualcolor.bridge.studio import camera_axes, camera_place  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.core.errors import OutputError, PrintError  # noqa: E402
 from dualcolor.operators.generate import DUALCOLOR_OT_generate  # noqa: E402
-from dualcolor.operators.job import JobOperator  # noqa: E402
+from dualcolor.operators.job import JobOperator, stop_job  # noqa: E402
+from dualcolor.panels.paint import hints  # noqa: E402
 from dualcolor.panels.results import duration, figures  # noqa: E402
 from dualcolor.panels.rows import wrapped  # noqa: E402
 
@@ -97,6 +98,19 @@ def test_an_active_strand_stands_for_its_source(block):
     assert bpy.ops.dualcolor.generate() == {"FINISHED"}
     assert report_of(block.dualcolor)["layers"] < first["layers"]
     assert len(bpy.data.collections) == 1
+
+
+def test_a_print_made_again_from_its_strands_makes_the_object_active(block):
+    block.dualcolor.perimeters, block.dualcolor.infill_density = 1, 0
+    bpy.ops.dualcolor.generate()
+    bpy.context.view_layer.objects.active = preview_of(block).objects[0]
+    assert not bpy.ops.dualcolor.check_model.poll()
+    with pytest.raises(RuntimeError, match="Select Cube, whose strands these are, first"):
+        bpy.ops.dualcolor.check_model()
+    assert hints(block, bpy.context.object) == ["Strands are selected: select Cube for the buttons that are grey"]
+    bpy.ops.dualcolor.generate()
+    assert bpy.context.view_layer.objects.active == block and block.select_get()
+    assert bpy.ops.dualcolor.check_model.poll()
 
 
 def test_the_last_message_tells_that_there_are_warnings(block, tmp_path, capfd):
@@ -230,7 +244,15 @@ def test_a_second_job_waits_for_the_first():
     second = Pretended()
     assert second.invoke(window, None) == {"CANCELLED"} and second.reports[0][0] == "WARNING"
     assert window.timers == 1
-    JobOperator.running = None
+    stop_job(window)
+
+
+def test_a_job_is_stopped_with_the_extension():
+    window, _ = events(Pretended(), ["TIMER"])
+    stop_job(window)
+    assert window.timers == 0 and window.status is None and JobOperator.running is None
+    stop_job(window)
+    assert events(Pretended(), ["TIMER", "TIMER", "TIMER"])[1][-1] == {"FINISHED"}
 
 
 def test_the_progress_is_told():
