@@ -1,7 +1,5 @@
 """Marking faces for supports in Edit Mode, and volumes from collections."""
 
-from dataclasses import replace
-
 import bpy
 
 # isort: split
@@ -120,13 +118,3 @@ def test_volumes_stand_in_the_world_in_mm(table):
     np.testing.assert_allclose([low, high], [[5, 0, 0], [7, 4, 6]], atol=1e-6)
     assert made[0].volumes[0].name == "marker"
     assert digest_of(made[0], PrintSettings()) != digest_of(made[1], PrintSettings())
-
-
-def test_a_print_is_known_by_every_number_that_it_was_made_from(table):
-    model = plate_model([table], bpy.context.evaluated_depsgraph_get(), PrintSettings(), [None])
-    known = {digest_of(model, PrintSettings()), digest_of(model, PrintSettings(wipe=1.0))}
-    polygons = np.zeros(len(model.polygon_texture), dtype=np.int64)
-    others = {"polygon_support": polygons, "polygon_object": polygons, "vertices": model.vertices + 1e-9, "name": "x"}
-    known |= {digest_of(replace(model, **{name: value}), PrintSettings()) for name, value in others.items()}
-    assert len(known) == 6
-    assert digest_of(replace(model, vertices=model.vertices.copy()), PrintSettings()) in known
