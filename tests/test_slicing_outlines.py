@@ -90,11 +90,22 @@ def test_each_cut_goes_on_where_it_ends_also_among_solids_that_touch(inward):
     assert np.array_equal(cuts.points[cuts.successor, 0], cuts.points[:, 1])
 
 
-def test_edges_of_a_mesh_too_large_to_sort_with_its_numbers_are_paired_alike():
-    faces = triangulate(lathe([[10, 0], [6, 7], [9, 16]]), KEEP).faces
-    levels = (np.arange(faces.max() + 1, dtype=np.int32) % 7)[faces]
-    beyond = faces_beyond(faces, levels, int(faces.max()) + 1)
-    assert (beyond >= 0).any() and np.array_equal(faces_beyond(faces, levels, 1 << 29), beyond)
+@pytest.mark.parametrize("closed", [True, False])
+def test_edges_of_a_mesh_too_large_to_sort_with_its_numbers_are_paired_alike(closed):
+    """The k-th edge that leads up goes with the k-th of the same ends that leads down, whatever the keys' size."""
+    rng, slots = np.random.default_rng(5), 200
+    up = rng.permutation(slots)[:60]
+    key = rng.permutation(60) if closed else rng.integers(20, size=60)
+    down, down_key = rng.integers(slots, size=60), key if closed else rng.integers(20, size=60)
+    keys, numbers = np.append(key, down_key), np.append(up | 256, down)
+    beyond = faces_beyond(keys, numbers, slots)
+    assert np.array_equal(faces_beyond(keys << 50, numbers, slots), beyond)
+    expected = np.full(slots, -1)
+    for each in np.unique(key):
+        ends = zip(np.sort(up[key == each]), np.sort(down[down_key == each]) // 2, strict=False)
+        for number, face in ends:
+            expected[number] = face
+    assert np.array_equal(beyond, expected)
 
 
 def test_segments_are_known_again_either_way_round_but_not_among_equal_ones():

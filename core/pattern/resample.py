@@ -82,7 +82,7 @@ def resampled(outlines: Outlines, even: EvenPoints, first: int, last: int) -> tu
     for row, corner, along in zip(points, even.corner[:, among], even.along[:, among], strict=True):
         np.multiply(along.take(segment), share, out=row)
         row += corner.take(segment)
-    for row, ends in zip(carried, outlines.carried[among].transpose(2, 1, 0), strict=True):
+    for row, ends in zip(carried, outlines.carried[among].transpose(2, 1, 0), strict=False):  # a tone or none
         if len(segment) and not (np.isnan(ends[0, 0]) and np.isnan(ends[0]).all()):
             np.multiply((ends[1] - ends[0]).take(segment), share, out=row)
             row += ends[0].take(segment)

@@ -24,9 +24,9 @@ def linked_outlines(
         most_cuts: of faces with planes that are worked on at once; a layer with more is a band of its own.
     """
     cut = crossings(mesh, planes)
-    if int((cut.end - cut.first).sum()) <= most_cuts:
+    if int((cut.high - cut.low).sum()) <= most_cuts:
         return link(cut.segments(), gap_closing_radius)
-    begins, ends = (np.bincount(at, minlength=len(planes) + 1)[: len(planes)] for at in (cut.first, cut.end))
+    begins, ends = (np.bincount(at, minlength=len(planes) + 1)[: len(planes)] for at in (cut.low, cut.high))
     cuts = np.cumsum(np.cumsum(begins - ends))
     parts, open_layers = [], []
     low = 0

@@ -2,73 +2,48 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model import IntArray
-from ..pattern.chunks import in_chunks
 
 
-def faces_beyond(faces: IntArray, levels: NDArray[np.int32], vertices: int) -> IntArray:
+def faces_beyond(key: IntArray, number: IntArray, slots: int) -> IntArray:
     """The face across each edge that leads up, seen from its own face.
 
-    An edge is a corner 3 f + k: it leads from corner k of face f to the next one. The edge that leads up in one face
-    leads down in the other. Where an edge has several of either, as where solids touch, the k-th goes with the k-th.
+    The edge that leads up in one face leads down in the other. Where an edge has several of either, as where solids
+    touch, the k-th goes with the k-th.
 
     Args:
-        faces: (F, 3) vertices.
-        levels: (F, 3) how many planes lie at each corner or below it.
-        vertices: how many there are.
+        key: (E,) the same for an edge and for the same edge seen from beyond.
+        number: (E,) 2 f or 2 f + 1 for edges of face f, no two of those that lead up alike; for these with the bit
+            `slots.bit_length()` set.
+        slots: twice the number of faces.
 
     Returns:
-        (3F,) the face beyond each edge, -1 where there is none and for all edges that do not lead up past a plane.
+        (slots,) the face beyond each edge that leads up, by its number without that bit, -1 where there is none.
     """
-
-    def chunk(faces: IntArray, levels: NDArray[np.int32], edge: IntArray) -> tuple[IntArray, ...]:
-        """Numbers that faces share of the edges of some faces that lead up, these edges, and likewise down."""
-        start, here, edges = faces.ravel(), levels.ravel(), edge.ravel()
-        end, there = _of_next_corner(start), _of_next_corner(here)
-        up, down = np.flatnonzero(here < there), np.flatnonzero(here > there)
-        return (
-            start.take(up) * vertices + end.take(up), edges.take(up),
-            end.take(down) * vertices + start.take(down), edges.take(down),
-        )  # fmt: skip
-
-    up_key, up, down_key, down = in_chunks(chunk, faces, levels, np.arange(faces.size).reshape(-1, 3))
-    up_key, up = _sorted(up_key, up, vertices)
-    down_key, down = _sorted(down_key, down, vertices)
-    beyond = np.full(faces.size, -1, dtype=np.int64)
-    if np.array_equal(up_key, down_key):
-        beyond[up] = down // 3
-        return beyond
+    bits, beyond = slots.bit_length(), np.full(slots, -1, dtype=np.int64)
+    slot_of, leads_up = (1 << bits) - 1, 1 << bits
+    if int(key.max(initial=0)).bit_length() + bits < 63:
+        # Sorting numbers that hold both takes a third of the time of sorting their places.
+        both = key << (bits + 1)
+        both |= number
+        both.sort()
+        down, up = both[0::2], both[1::2]
+        if len(down) == len(up) and ((down ^ up) >> bits == 1).all():  # in pairs that only differ in where they lead
+            beyond[up & slot_of] = (down & slot_of) >> 1
+            return beyond
+        key, number = both >> (bits + 1), both & (2 * leads_up - 1)
+    else:
+        order = np.lexsort((number, key))
+        key, number = key[order], number[order]
+    is_up = number >= leads_up
+    up_key, up, down_key, down = key[is_up], number[is_up] & slot_of, key[~is_up], number[~is_up] >> 1
     where = np.searchsorted(down_key, up_key) + _rank_in_group(up_key)
     paired = where < len(down)
     paired[paired] = down_key[where[paired]] == up_key[paired]
-    beyond[up[paired]] = down[where[paired]] // 3
+    beyond[up[paired]] = down[where[paired]]
     return beyond
-
-
-def _of_next_corner(values: NDArray[Any]) -> NDArray[Any]:
-    """(3F,) what the next corner of the same face has."""
-    turned = np.empty_like(values)
-    turned[:-1] = values[1:]
-    turned[2::3] = values[0::3]
-    return turned
-
-
-def _sorted(key: IntArray, edge: IntArray, vertices: int) -> tuple[IntArray, IntArray]:
-    """Both sorted by key (less than vertices²), edges of one key in increasing order as they come."""
-    bits = int(edge[-1]).bit_length() if len(edge) else 0
-    if 2 * (vertices - 1).bit_length() + bits > 63:
-        order = np.argsort(key, kind="stable")
-        return key[order], edge[order]
-    # Sorting numbers that hold both takes a third of the time of sorting their places.
-    both = key << bits
-    both |= edge
-    both.sort()
-    return both >> bits, both & ((1 << bits) - 1)
 
 
 def _rank_in_group(ordered: IntArray) -> IntArray:

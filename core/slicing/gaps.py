@@ -88,9 +88,6 @@ def _one_way(segments: Segments, going_on: IntArray, length: FloatArray) -> tupl
     kept = np.flatnonzero(~is_open & better)
     place = np.full(2 * count, -1, dtype=np.int64)
     place[kept] = np.arange(len(kept))
-    tail = np.concatenate([segments.tail, segments.head])[kept]
-    head = np.concatenate([segments.head, segments.tail])[kept]
-    chosen = replace(
-        segments, layer=segments.layer[kept % count], tail=tail, head=head, successor=place[going_on[kept]]
-    )
+    tail = np.concatenate([segments.tail, segments.tail ^ 1])[kept]
+    chosen = replace(segments, layer=segments.layer[kept % count], tail=tail, successor=place[going_on[kept]])
     return chosen, np.unique(segments.layer[is_open[:count]])

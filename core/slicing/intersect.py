@@ -14,21 +14,32 @@ from ..texture.islands import complex_uv
 from .edges import faces_beyond
 from .outlines import starts
 
-_BEFORE = np.array([2, 0, 1])  # the corner before each one of a face
+_CODE_BITS, _AROUND_HIGHEST = 5, 2  # see `ends_of`
+
+
+def _codes() -> tuple[IntArray, IntArray]:
+    """Lower and upper corner, 0 to 2, of the edges with the codes of `ends_of`."""
+    code = np.arange(1 << _CODE_BITS)
+    bottom, rising, around_highest, ends = code >> 3, (code >> 2) & 1, (code >> 1) & 1, code & 1
+    side, top = (bottom + 2 - rising) % 3, (bottom + 1 + rising) % 3
+    # A cut starts on the edge that leads down and ends on the one that leads up.
+    across = rising != ends
+    low = np.where(across | (around_highest == 0), bottom, side)
+    return low, np.where(across | (around_highest == 1), top, side)
+
+
+_LOW, _HIGH = _codes()
 
 
 @dataclass(frozen=True)
 class Segments:
     """S segments, solid on their left where the mesh's normals point outwards.
 
-    A mesh edge is named by the corner of a face that it starts from: 3 f + k leads from corner k of face f to the next.
-
     Attributes:
         mesh: F faces.
         planes: (L,) mm, increasing.
         layer: (S,) int64.
-        tail: (S,) int64, the edge that the segment starts on.
-        head: (S,) int64, the edge of the same face that it ends on.
+        tail: (S,) int64, the edge that the segment starts on, see `ends_of`; it ends on `tail ^ 1`.
         successor: (S,) int64, the segment that starts where each one ends, in the face beyond; -1 where none does.
     """
 
@@ -36,65 +47,71 @@ class Segments:
     planes: FloatArray
     layer: IntArray
     tail: IntArray
-    head: IntArray
     successor: IntArray
+
+    @property
+    def face(self) -> IntArray:
+        """(S,) that was cut."""
+        return faces_of(self.tail)
 
     @property
     def points(self) -> FloatArray:
         """(S, 2, 2) mm, both ends."""
-        plane = self.planes[self.layer]
-        ends = [cut_edges(self.mesh.faces, *columns(self.mesh), edge, plane)[0] for edge in (self.tail, self.head)]
+        plane, columns = self.planes[self.layer], columns_of(self.mesh)
+        ends = [cut_edges(*columns, *ends_of(edge), plane)[0] for edge in (self.tail, self.tail ^ 1)]
         return np.stack(ends, axis=1).view(np.float64).reshape(-1, 2, 2)
 
 
 @dataclass(frozen=True)
 class Crossings:
-    """Which layers cut each face through which of its edges: K spans of layers, those of a face in a row.
+    """Which layers cut each of N faces through which of its edges.
+
+    From `low` on they cut it around its lowest corner, from `middle` on around its highest one.
 
     Attributes:
         mesh: F faces.
         planes: (L,) mm, increasing.
-        first: (K,) int64, the lowest layer of each span.
-        end: (K,) int64, the layer above the span.
-        faces: (R,) int64, the only ones that are counted by what follows, None for all.
-        tail: (K,) int64, the edge that the cuts start on, see `Segments`.
-        head: (K,) int64, the edge that they end on.
-        beyond: (K,) int64, the face on the other side of that edge, -1 for none.
+        low: (N,) int64, the lowest layer.
+        middle: (N,) int64, the lowest layer above the middle corner.
+        high: (N,) int64, the layer above them all.
+        edge: (N,) int64, the one that the cuts around the lowest corner start on, see `ends_of`.
+        beyond: (N, 2) int64, the face where the cuts around the lowest and around the highest corner go on, -1 for
+            none.
     """
 
     mesh: TriangleMesh
     planes: FloatArray
-    first: IntArray
-    end: IntArray
-    faces: IntArray | None
-    tail: IntArray
-    head: IntArray
+    low: IntArray
+    middle: IntArray
+    high: IntArray
+    edge: IntArray
     beyond: IntArray
 
     def between(self, low: int, high: int) -> Crossings:
         """What is cut by the layers from `low` to the one before `high`."""
-        some = np.flatnonzero((self.first < high) & (self.end > low))
-        first, end = np.maximum(self.first[some], low), np.minimum(self.end[some], high)
-        edges = (column[some] for column in (self.tail, self.head, self.beyond))
-        return Crossings(self.mesh, self.planes, first, end, self.faces, *edges)
+        some = np.flatnonzero((self.low < high) & (self.high > low))
+        first, middle, end = (np.clip(level[some], low, high) for level in (self.low, self.middle, self.high))
+        return Crossings(self.mesh, self.planes, first, middle, end, self.edge[some], self.beyond[some])
 
     def segments(self) -> Segments:
         """The cuts, face by face and upwards in each."""
-        count = self.end - self.first
         # The cuts of a face stand in a row, so the one that goes on is found by the face beyond and the layer.
-        face, begin = self.tail // 3, starts(count)[:-1] - self.first
-        base = np.zeros(len(self.mesh.faces if self.faces is None else self.faces), dtype=np.int64)
-        base[face] = begin
-        going_on = np.where(self.beyond < 0, -1 - len(self.planes), base.take(self.beyond))
-        layer = np.repeat(-begin, count)
-        layer += np.arange(len(layer))
-        successor = np.repeat(going_on, count)
+        count = self.high - self.low
+        begin = starts(count)[:-1] - self.low
+        base = np.zeros(len(self.mesh.faces) + 1, dtype=np.int64)
+        base[faces_of(self.edge)], base[-1] = begin, -1 - len(self.planes)
+        row = np.repeat(np.arange(len(count)), count)
+        layer = np.arange(len(row))
+        layer -= begin.take(row)
+        tail, around_highest = self.edge.take(row), (layer >= self.middle.take(row)).astype(np.int64)
+        row <<= 1
+        row |= around_highest
+        successor = base.take(self.beyond, mode="wrap").take(row)
         successor += layer
-        if (self.beyond < 0).any():
-            np.maximum(successor, -1, out=successor)
-        shift = 0 if self.faces is None else 3 * (self.faces.take(face) - face)
-        tail, head = (np.repeat(edge + shift, count) for edge in (self.tail, self.head))
-        return Segments(self.mesh, self.planes, layer, tail, head, successor)
+        np.maximum(successor, -1, out=successor)
+        around_highest *= _AROUND_HIGHEST
+        tail |= around_highest
+        return Segments(self.mesh, self.planes, layer, tail, successor)
 
 
 def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
@@ -108,38 +125,56 @@ def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
         mesh: F faces.
         planes: (L,) mm, increasing.
     """
-    level = np.searchsorted(planes, mesh.vertices[:, 2].copy(), side="right").astype(np.int32)
-    (levels,) = in_chunks(lambda faces: (np.asarray(level.take(faces)),), mesh.faces)
-    faces, some = mesh.faces, np.flatnonzero((levels[:, 0] != levels[:, 1]) | (levels[:, 1] != levels[:, 2]))
-    few = len(some) < len(faces) / 2
-    if few:
-        faces, levels = faces.take(some, axis=0), levels.take(some, axis=0)
-
-    def chunk(levels: NDArray[np.int32], row: IntArray) -> tuple[IntArray, ...]:
-        """First and end layer, tail and head of the spans of some faces."""
-        # Three sorted by hand, with the number of the corner in the last bits.
-        a, b, c = (4 * levels[:, k] + k for k in range(3))
-        a, b = np.minimum(a, b), np.maximum(a, b)
-        lowest, middle, highest = np.minimum(a, c), np.maximum(a, np.minimum(b, c)) >> 2, np.maximum(b, c)
-        # Below its middle corner a face is cut around its lowest one, above it around its highest one. A cut starts on
-        # the edge that leads down and ends on the one that leads up.
-        low, high = lowest & 3, highest & 3
-        first, end = _alternating(lowest >> 2, middle), _alternating(middle, highest >> 2)
-        tail = _alternating(3 * row + _BEFORE.take(low), 3 * row + high)
-        head = _alternating(3 * row + low, 3 * row + _BEFORE.take(high))
-        there = np.flatnonzero(first < end)
-        return first.take(there), end.take(there), tail.take(there), head.take(there)
-
-    first, end, tail, head = in_chunks(chunk, levels, np.arange(len(faces)))
-    beyond = faces_beyond(faces, levels, len(mesh.vertices)).take(head)
-    return Crossings(mesh, planes, first, end, some if few else None, tail, head, beyond)
+    level = np.searchsorted(planes, mesh.vertices[:, 2].copy(), side="right")
+    bits, slots = len(level).bit_length(), 2 * len(mesh.faces)
+    vertex = ((level << bits) | np.arange(len(level))) << 2
+    low, middle, high, edge, key, number = in_chunks(
+        lambda faces, face: _cuts(vertex, bits, slots, faces, face),
+        mesh.faces,
+        np.arange(len(mesh.faces)),
+        threads=False,
+    )
+    beyond, slot = faces_beyond(key, number, slots), faces_of(edge) << 1
+    pairs = np.stack([beyond.take(slot), beyond.take(slot + ((edge >> 2) & 1))], axis=1)
+    return Crossings(mesh, planes, low, middle, high, edge, pairs)
 
 
-def _alternating(one: IntArray, other: IntArray) -> IntArray:
-    """(2N,) one of the first, one of the second and so on."""
-    both = np.empty(2 * len(one), dtype=one.dtype)
-    both[0::2], both[1::2] = one, other
-    return both
+def _cuts(vertex: IntArray, bits: int, slots: int, faces: IntArray, face: IntArray) -> tuple[IntArray, ...]:
+    """How planes cut some faces, and the edges that lead past a plane.
+
+    Args:
+        vertex: (V,) the level of each, its number in `bits` bits, and two bits for the corner of a face.
+        bits: see above.
+        slots: see `faces_beyond`.
+        faces: (N, 3)
+        face: (N,) their numbers.
+
+    Returns:
+        Three levels and an edge for each face that is cut, as in `Crossings`, and keys and numbers of edges as
+        `faces_beyond` takes them.
+    """
+    corners = vertex.take(faces)
+    unlike = (corners[:, 0] ^ corners[:, 1]) | (corners[:, 1] ^ corners[:, 2])
+    cut = np.flatnonzero(unlike >= 1 << (bits + 2))
+    face, corners = face.take(cut), corners.take(cut, axis=0)
+    # Three sorted by hand; an odd number of pairs in order makes the order a turned one, not a mirrored one.
+    a, b, c = (corners[:, k] + k for k in range(3))
+    rising = ((a < b) ^ (b < c) ^ (a < c)).astype(np.int64)
+    lowest, highest = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    ordered = lowest, a ^ b ^ c ^ lowest ^ highest, highest
+    low, middle, high = (column >> (bits + 2) for column in ordered)
+    edge = (((face << 2) | (ordered[0] & 3)) << 3) | (rising << 2)
+
+    bottom, side, top = ((column >> 2) & ((1 << bits) - 1) for column in ordered)
+    bottom <<= bits
+    across, lower, upper = bottom | top, bottom | side, (side << bits) | top
+    # The edges next to the middle corner lead up where it comes after the lowest one, else the one across from it does.
+    leads_up = 1 << slots.bit_length()
+    number = 2 * face + leads_up * rising
+    below, above = np.flatnonzero(low < middle), np.flatnonzero(middle < high)
+    key = across, lower.take(below), upper.take(above)
+    numbers = number ^ leads_up, number.take(below), number.take(above) + 1
+    return low, middle, high, edge, np.concatenate(key), np.concatenate(numbers)
 
 
 def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
@@ -147,34 +182,54 @@ def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
     return crossings(mesh, planes).segments()
 
 
-def columns(mesh: TriangleMesh) -> tuple[NDArray[np.complex128], FloatArray]:
-    """(V,) x + iy and z of the vertices: numbers in one piece are read several times as fast as short rows."""
-    return complex_uv(mesh.vertices[:, :2]), mesh.vertices[:, 2].copy()
+def ends_of(edge: IntArray) -> tuple[IntArray, IntArray]:
+    """Lower and upper corner (N,) of edges (N,) that planes cut; corner k of face f has the number 3 f + k.
+
+    An edge is the number of the face and five bits: which corner is the lowest, whether the middle one comes after it,
+    whether the edge is cut around the highest corner, and whether a cut ends there.
+    """
+    code, face = edge & (len(_LOW) - 1), 3 * (edge >> _CODE_BITS)
+    return face + _LOW.take(code), face + _HIGH.take(code)
+
+
+def faces_of(edge: IntArray) -> IntArray:
+    """(N,) faces of edges (N,)."""
+    return edge >> _CODE_BITS
+
+
+def columns_of(mesh: TriangleMesh) -> tuple[IntArray, NDArray[np.complex128], FloatArray]:
+    """(3F,) vertices of the corners, (V,) x + iy and z of the vertices: numbers in one piece are read much faster."""
+    return mesh.faces.ravel(), complex_uv(mesh.vertices[:, :2]), mesh.vertices[:, 2].copy()
 
 
 def cut_edges(
-    faces: IntArray, place: NDArray[np.complex128], height: FloatArray, edge: IntArray, plane: FloatArray
-) -> tuple[NDArray[np.complex128], FloatArray, FloatArray]:
-    """Where planes meet the edges that lead from some corners (N,) to the next ones, see `columns`.
+    vertex: IntArray,
+    place: NDArray[np.complex128],
+    height: FloatArray,
+    low: IntArray,
+    high: IntArray,
+    plane: FloatArray,
+) -> tuple[NDArray[np.complex128], FloatArray]:
+    """Where planes meet edges from some corners (N,) up to others, see `columns_of`.
 
     Returns:
-        (N,) x + iy, the same to the last digit for all faces of an edge; (N,) the share of the way from corner to
-        corner, and (N,) the other way round.
+        (N,) x + iy, the same to the last digit for all faces of an edge, and (N,) the share of the way up.
     """
-    begin, end = faces.take(edge), faces.take(following_corner(edge))
-    low, high = np.minimum(begin, end), np.maximum(begin, end)
-    base = height.take(low)
-    share = (plane - base) / (height.take(high) - base)
-    rest, forwards = 1 - share, begin < end
-    return between(place, low, high, share), np.where(forwards, share, rest), np.where(forwards, rest, share)
+    low, high = vertex.take(low), vertex.take(high)
+    share = height.take(low)
+    whole = height.take(high)
+    whole -= share
+    np.subtract(plane, share, out=share)
+    share /= whole
+    return between(place, low, high, share), share
 
 
-def between(
-    column: NDArray[Any], begin: IntArray, end: NDArray[np.signedinteger[Any]], share: FloatArray
-) -> NDArray[Any]:
+def between(column: NDArray[Any], begin: IntArray, end: IntArray, share: FloatArray) -> NDArray[Any]:
     """(N,) values of a column, real or complex, the share of the way from one row to another."""
-    base = column.take(begin)
-    value: NDArray[Any] = base + share * (column.take(end) - base)
+    base, value = column.take(begin), column.take(end)
+    value -= base
+    value *= share
+    value += base
     return value
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
-from ..pattern.chunks import CHUNK_ROWS, in_threads
+from ..pattern.chunks import CHUNK_ROWS
 from ..texture.islands import complex_uv
 from .cycles import cycles
 from .gaps import close_chains
-from .intersect import Segments, between, columns, cut_edges, following_corner
+from .intersect import Segments, between, columns_of, cut_edges, ends_of, faces_of
 from .outlines import Outlines, ahead
 
 
@@ -30,49 +30,36 @@ def link(segments: Segments, gap_closing_radius: float) -> tuple[Outlines, IntAr
     order, start = cycles(segments.successor, segments.layer)
     layer = segments.layer.take(order[start[:-1]])
     plane = np.repeat(segments.planes.take(layer), np.diff(start))
-    tail, head = segments.tail.take(order), segments.head.take(order)
-    points, along, opposite = _cut(segments, tail, plane)
-    # Where a segment ends, the next one starts: on the same edge, which leads the other way in the face beyond.
-    arrival = _cut(segments, head, plane)[1] if has_gaps else ahead(opposite, start)
-    face, carried = _carried(segments, (tail, head), (along, arrival))
-    return Outlines(points, start, layer, face, carried), open_layers
+    tail = segments.tail.take(order)
+    points, share = _cut(segments, tail, plane)
+    # Where a segment ends, the next one starts: on the same edge, seen from the face beyond.
+    arrival = _cut(segments, tail ^ 1, plane)[1] if has_gaps else ahead(share, start)
+    carried = _carried(segments, tail, (share, arrival))
+    return Outlines(points, start, layer, faces_of(tail), carried), open_layers
 
 
-def _cut(segments: Segments, edge: IntArray, plane: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Where planes cut edges: (N, 2) mm, (N,) the share of the way from corner to corner, and the other way round."""
-    mesh, count = segments.mesh, len(edge)
-    place, height = columns(mesh)
-    points, along, opposite = np.empty(count, dtype=np.complex128), np.empty(count), np.empty(count)
-
-    def cut(begin: int) -> None:
-        """Some of the edges."""
+def _cut(segments: Segments, edge: IntArray, plane: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Where planes cut edges: (N, 2) mm, and (N,) the share of the way up the edge."""
+    count, columns = len(edge), columns_of(segments.mesh)
+    points, share = np.empty(count, dtype=np.complex128), np.empty(count)
+    for begin in range(0, count, CHUNK_ROWS):
         some = slice(begin, begin + CHUNK_ROWS)
-        points[some], along[some], opposite[some] = cut_edges(mesh.faces, place, height, edge[some], plane[some])
-
-    in_threads(cut, range(0, count, CHUNK_ROWS))
-    return points.view(np.float64).reshape(-1, 2), along, opposite
+        points[some], share[some] = cut_edges(*columns, *ends_of(edge[some]), plane[some])
+    return points.view(np.float64).reshape(-1, 2), share
 
 
-def _carried(
-    segments: Segments, edges: tuple[IntArray, IntArray], shares: tuple[FloatArray, FloatArray]
-) -> tuple[IntArray, FloatArray]:
-    """Face (N,) and carried values (N, 2, 3) of segments between two edges (N,) at shares (N,) of these."""
-    mesh, count = segments.mesh, len(edges[0])
+def _carried(segments: Segments, tail: IntArray, shares: tuple[FloatArray, FloatArray]) -> FloatArray:
+    """(N, 2, C) u, v and, if there is any, tone at both ends of segments, at shares (N,) of the edges there."""
+    mesh, count = segments.mesh, len(tail)
     uv = complex_uv(mesh.face_uv).ravel()
     tone = None if np.isnan(mesh.face_tone).all() else mesh.face_tone.ravel()
-    face, carried = np.empty(count, dtype=np.int64), np.full((count, 2, 3), np.nan)
-
-    def carry(begin: int) -> None:
-        """Those of some segments."""
+    carried = np.empty((count, 2, 2 if tone is None else 3))
+    places = carried[..., :2].view(np.complex128)[..., 0]
+    for begin in range(0, count, CHUNK_ROWS):
         some = slice(begin, begin + CHUNK_ROWS)
-        np.floor_divide(edges[0][some], 3, out=face[some])
         for end in range(2):
-            edge, share = edges[end][some], shares[end][some]
-            after = following_corner(edge)
-            place = between(uv, edge, after, share)
-            carried[some, end, 0], carried[some, end, 1] = place.real, place.imag
+            ends, share = ends_of(tail[some] ^ end), shares[end][some]
+            places[some, end] = between(uv, *ends, share)
             if tone is not None:
-                carried[some, end, 2] = between(tone, edge, after, share)
-
-    in_threads(carry, range(0, count, CHUNK_ROWS))
-    return face, carried
+                carried[some, end, 2] = between(tone, *ends, share)
+    return carried

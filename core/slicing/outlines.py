@@ -21,7 +21,7 @@ class Outlines:
         start: (M + 1,) int64, where each loop's points start.
         layer: (M,) int64, not decreasing.
         face: (N,) int64, the face that segment i was cut from.
-        carried: (N, 2, 3) float64, u, v and vertex tone at both ends of segment i.
+        carried: (N, 2, C) float64, u, v and, where the mesh has any, vertex tone at both ends of segment i.
     """
 
     points: FloatArray

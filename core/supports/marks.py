@@ -81,7 +81,7 @@ def painted(mesh: TriangleMesh, chosen: BoolArray, planes: FloatArray) -> Shapes
     )
     corners = mesh.vertices[faces.ravel()]
     ends = cuts.points.reshape(-1, 2)
-    cut_face, cut_layer = np.repeat(cuts.tail // 3, 2), np.repeat(cuts.layer, 2)
+    cut_face, cut_layer = np.repeat(cuts.face, 2), np.repeat(cuts.layer, 2)
     points = np.concatenate([corners[:, :2], ends, ends])
     face = np.concatenate([np.repeat(np.arange(count), 3), cut_face, cut_face])
     # As in slicing, a point on a plane counts as above it.
