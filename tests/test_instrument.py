@@ -118,3 +118,13 @@ def test_only_what_the_object_is_made_of_is_photographed(empty, feature):
         return
     with pytest.raises(PrintError, match="no strands"):
         photograph(moves, SETTINGS, FACE)
+
+
+def test_one_sample_a_pixel_reads_the_same_as_many_where_pixels_keep_step_with_the_layers(empty):
+    """The middle of every pixel would hit every strand where it bulges out most."""
+    moves = Moves.joined(
+        [lines([[(0, 0, z), (10, 0, z)]], layer=round(z / 0.25) - 1) for z in np.arange(0.25, 3.1, 0.25)]
+    )
+    face = Face((5.0, -0.2, 1.5), 8.0, 2.0)
+    few, many = (np.nanmean(photograph(moves, SETTINGS, face, mm_per_pixel=0.25, samples=n)) for n in (1, 64))
+    assert few == pytest.approx(many, abs=0.04)
