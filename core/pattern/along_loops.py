@@ -24,6 +24,15 @@ def steps(values: FloatArray, start: IntArray) -> FloatArray:
     return step
 
 
+def around(values: FloatArray, start: IntArray) -> FloatArray:
+    """(…, N) from the value before each one of its loop to the one after it; no loop has less than two."""
+    step, first, last = np.empty_like(values), start[:-1], start[1:] - 1
+    np.subtract(values[..., 2:], values[..., :-2], out=step[..., 1:-1])
+    step[..., first] = values[..., first + 1] - values[..., last]
+    step[..., last] = values[..., first] - values[..., last - 1]
+    return step
+
+
 def previous(values: FloatArray, start: IntArray) -> FloatArray:
     """(…, N) the value before each one of its loop; no loop is empty."""
     before = np.empty_like(values)
@@ -66,11 +75,11 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
         return values
     reach, long = len(kernel) // 2, values.shape[-1]
     # What lies this near to either end of a loop meets other loops instead of the loop's other end.
-    begin, count, end = start[:-1, None], np.diff(start)[:, None], np.arange(-reach, reach)
-    ends = begin + end % count
-    around = begin[..., None] + (end[:, None] + np.arange(-reach, reach + 1)) % count[..., None]
+    around = start[:-1, None] + np.arange(-2 * reach, 2 * reach) % np.diff(start)[:, None]
+    ends, lag = around[:, reach : 3 * reach], np.subtract.outer(np.arange(4 * reach), np.arange(2 * reach))
+    weight = np.where((lag >= 0) & (lag <= 2 * reach), kernel.take(lag, mode="clip"), 0.0)
     smooth = np.empty_like(values)
     for row, low_passed in zip(np.atleast_2d(values), np.atleast_2d(smooth), strict=True):
         low_passed[:] = np.convolve(row, kernel)[reach : reach + long]
-        low_passed[ends] = row[around] @ kernel
+        low_passed[ends] = row.take(around) @ weight
     return smooth

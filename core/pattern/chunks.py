@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..model import IntArray
 
 CHUNK_ROWS = 1 << 14
 
@@ -39,6 +42,19 @@ def in_chunks(
     pieces = zip(*(np.array_split(column, parts) for column in columns), strict=True)
     results = in_threads(lambda piece: function(*piece), pieces) if threads else [function(*each) for each in pieces]
     return tuple(np.concatenate(part) for part in zip(*results, strict=True))
+
+
+def runs_of_layers(layer: IntArray, start: IntArray, at_once: int) -> Iterable[tuple[int, int]]:
+    """First and last loop of whole layers that are worked on at once.
+
+    Args:
+        layer: (M,) of each loop, not decreasing.
+        start: (M + 1,) how much there is before each loop.
+        at_once: about so much, or one layer.
+    """
+    begins = np.flatnonzero(np.diff(layer, prepend=-1))
+    cuts = begins[np.diff(start[begins] // at_once, prepend=-1) > 0]
+    return pairwise([*cuts.tolist(), len(layer)])
 
 
 def in_threads(function: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import following, ranges, starts
 from .along_loops import box, cross, dot, filtered
+from .chunks import runs_of_layers
 from .grid import PointGrid
 
 BLOCK = 4
@@ -22,6 +24,8 @@ STRAIGHT = 0.01
 EASING = 2
 # A table of all cells is kept where there are at most so many a block.
 CELLS_A_BLOCK = 64
+# So many that face others are worked on at a time.
+BLOCKS_AT_ONCE = 1 << 13
 
 Bits = NDArray[np.uint16]
 
@@ -50,20 +54,41 @@ def gaps(
     thickness, clearance = np.full(points.shape[1], inside), np.full(points.shape[1], outside)
     # No point of a block is farther away from its middle than this.
     spread = step * (BLOCK - BLOCK // 2)
-    point, block = _near(points, normal, np.repeat(layer, np.diff(start) // BLOCK), spread, inside, outside)
-    if not len(point):
-        return thickness, clearance
-    begin, end, point, piece = _pieces(points, following(start), point, block)
-    point, width, outwards = _across(points, normal, begin, end, point, piece)
-    np.minimum.at(thickness, point[~outwards], width[~outwards])
-    if outside:
-        np.minimum.at(clearance, point[outwards], width[outwards])
-        clearance = _eased(clearance, start)
-    return _eased(thickness, start), clearance
+    blocks, cell = start // BLOCK, max(inside, outside) / 2 + spread
+    held, block_layer = np.empty(blocks[-1], dtype=np.uint16), np.repeat(layer, np.diff(blocks))
+    found = []
+    for first, last in runs_of_layers(layer, blocks, BLOCKS_AT_ONCE):
+        part, own = slice(start[first], start[last]), slice(blocks[first], blocks[last])
+        held[own] = _directions(normal[:, part])
+        found.append(own.start + _faced(points[:, part][:, BLOCK // 2 :: BLOCK], block_layer[own], held[own], cell))
+    faced = np.concatenate([np.zeros(0, dtype=np.int64), *found])
+    faced_before = np.searchsorted(faced, blocks)
+    for first, last in runs_of_layers(layer, faced_before, BLOCKS_AT_ONCE):
+        some = faced[faced_before[first] : faced_before[last]] - blocks[first]
+        if not len(some):
+            continue
+        part, own = slice(start[first], start[last]), slice(blocks[first], blocks[last])
+        near_points, near_normal = points[:, part], normal[:, part]
+        point, block = _near(near_points, near_normal, block_layer[own], held[own], some, spread, inside, outside)
+        begin, end, point, piece = _pieces(near_points, following(start[first : last + 1] - part.start), point, block)
+        point, width, outwards = _across(near_points, near_normal, begin, end, point, piece)
+        np.minimum.at(thickness[part], point[~outwards], width[~outwards])
+        if outside:
+            np.minimum.at(clearance[part], point[outwards], width[outwards])
+    _ease(thickness, start, inside)
+    _ease(clearance, start, outside)
+    return thickness, clearance
 
 
 def _near(
-    points: FloatArray, normal: FloatArray, layer: IntArray, spread: float, inside: float, outside: float
+    points: FloatArray,
+    normal: FloatArray,
+    layer: IntArray,
+    held: Bits,
+    faced: IntArray,
+    spread: float,
+    inside: float,
+    outside: float,
 ) -> tuple[IntArray, IntArray]:
     """Pairs of a point and a block that may reach into a circle as large as is looked for at the point.
 
@@ -71,16 +96,16 @@ def _near(
         points: (2, N) mm, in blocks.
         normal: (2, N)
         layer: (B,) of each block.
+        held: (B,) directions of its normals.
+        faced: (F,) blocks that are looked at.
         spread: mm, no point of a block is farther away from its middle.
         inside: mm, the circles' widths.
         outside: mm.
     """
-    held, wanted = (_of_blocks(np.bitwise_or, bits) for bits in _directions(normal))
-    middle, cell = points[:, BLOCK // 2 :: BLOCK], max(inside, outside) / 2 + spread
-    # Where one may face another, that one may face it: what has none around it is nothing that others look for.
-    faced = _faced(middle, layer, held, wanted, cell)
-    middle, held, wanted = middle.take(faced, axis=1), held.take(faced), wanted.take(faced)
-    other, group = PointGrid(middle.T, layer[faced], cell).candidates(middle.T, layer[faced], rings=2)
+    middle, held = points[:, BLOCK // 2 :: BLOCK].take(faced, axis=1), held[faced]
+    wanted = _facing().take(held)
+    grid = PointGrid(middle.T, layer[faced], max(inside, outside) / 2 + spread)
+    other, group = grid.candidates(middle.T, layer[faced], rings=2)
     kept = np.flatnonzero(np.repeat(wanted, np.diff(group)) & held.take(other))
     this, other = np.repeat(np.arange(len(faced)), np.diff(group))[kept], other[kept]
     points, normal = (rows.reshape(2, -1, BLOCK).take(faced, axis=1) for rows in (points, normal))
@@ -122,18 +147,20 @@ def _reached(
     return this[pair], number, other[pair]
 
 
-def _faced(middle: FloatArray, layer: IntArray, held: Bits, wanted: Bits, cell: float) -> IntArray:
-    """Blocks that have some that they want in the square cells up to two away, and maybe more.
+def _faced(middle: FloatArray, layer: IntArray, held: Bits, cell: float) -> IntArray:
+    """Blocks that face one in the square cells up to two away, and maybe more.
+
+    Where one may face another, that one may face it: what has none around it is nothing that others look for.
 
     Args:
         middle: (2, B) mm.
         layer: (B,)
-        held: (B,) what each has.
-        wanted: (B,) what each looks for.
+        held: (B,) directions of its normals.
         cell: mm.
     """
     if not len(layer):
         return layer
+    wanted = _facing().take(held)
     column, row = ((along - along.min()) * (1 / cell) for along in middle)
     columns, rows = int(column.max()) + 3, int(row.max()) + 3
     key = ((layer - layer[0]) * rows + row.astype(np.int64)) * columns + column.astype(np.int64)
@@ -150,20 +177,29 @@ def _faced(middle: FloatArray, layer: IntArray, held: Bits, wanted: Bits, cell: 
     return np.flatnonzero(wanted & around.take(key))
 
 
-def _directions(normal: FloatArray) -> tuple[Bits, Bits]:
-    """As bits, which of twelve directions each normal (2, N) lies in, and in which lie normals that may face it."""
+def _directions(normal: FloatArray) -> Bits:
+    """(B,) as bits, which of twelve directions the normals (2, N) of each block lie in."""
+    bits = np.left_shift(np.uint16(1), _direction(normal), dtype=np.uint16).view(np.uint64)
+    # The four points of a block side by side in 64 bits.
+    bits |= bits >> np.uint64(32)
+    return (bits | bits >> np.uint64(16)).astype(np.uint16)
+
+
+@cache
+def _facing() -> Bits:
+    """(65536,) for each set of directions those in which lie normals that may face one of them."""
     turn = np.pi / 12 * np.arange(1, 24, 2)
     middle = np.stack([np.cos(turn), np.sin(turn)])
-    number, own = _direction(middle), _direction(normal)
     may_face = middle.T @ middle < np.cos(np.arccos(FACING) - np.pi / 6)
-    bit, facing = (1 << np.arange(16)).astype(np.uint16), np.zeros(16, dtype=np.uint16)
-    facing[number] = may_face @ bit[number]
-    return bit.take(own), facing.take(own)
+    number, facing = _direction(middle), np.zeros(1 << 16, dtype=np.uint16)
+    for direction, others in zip(number.tolist(), may_face @ (1 << number.astype(np.int64)), strict=True):
+        facing.reshape(-1, 2, 1 << direction)[:, 1] |= np.uint16(others)
+    return facing
 
 
 def _direction(normal: FloatArray) -> NDArray[np.uint8]:
     """(N,) 0 to 15: unit vectors turn by 30 degrees from one half of a coordinate to the next."""
-    half = np.minimum((2 * normal + 2).astype(np.uint8), 3)
+    half = (normal >= -0.5).view(np.uint8) + (normal >= 0).view(np.uint8) + (normal >= 0.5).view(np.uint8)
     return np.asarray(4 * half[0] + half[1])
 
 
@@ -217,11 +253,15 @@ def _across(
     return point, np.where(reached > 1e-9, dot(away, away) / np.maximum(reached, 1e-9), np.inf), outwards
 
 
-def _eased(width: FloatArray, start: IntArray) -> FloatArray:
-    """The least of the neighbours, averaged over as many of them: nowhere more, and without steps."""
+def _ease(width: FloatArray, start: IntArray, most: float) -> None:
+    """Widths (N,) in place: the least of the neighbours, averaged over as many of them, without steps, nowhere more."""
+    narrow = np.flatnonzero(np.minimum.reduceat(width, start[:-1]) < most) if len(width) else start[:0]
+    count = np.diff(start)[narrow]
+    point, own = ranges(start[narrow], count), starts(count)
+    least = width[point]
     for _ in range(EASING):
-        width = _least_beside(width, start)
-    return filtered(width, start, box(EASING))
+        least = _least_beside(least, own)
+    width[point] = filtered(least, own, box(EASING))
 
 
 def _least_beside(values: FloatArray, start: IntArray) -> FloatArray:

@@ -7,9 +7,7 @@ and moved inwards by half a line width so that the strand's outer edge is the mo
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +16,8 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines
 from ..slicing.planes import line_widths
-from .along_loops import dot, filtered, gaussian, previous, steps
+from .along_loops import around, dot, filtered, gaussian, steps
+from .chunks import runs_of_layers
 from .clearance import BLOCK, gaps
 from .inset import bend_room, inset
 from .resample import even_points, resampled
@@ -129,13 +128,14 @@ def contours(
     """
     reach = reach or reach_of(settings)
     even = even_points(outlines, settings.wavelength / POINTS_PER_WAVELENGTH, BLOCK)
-    count = int(even.start[-1])
+    count, start, layer = int(even.start[-1]), even.start, outlines.layer
     step, face, carried = np.empty(count), np.empty(count, dtype=np.int64), np.empty((3, count))
+    points, normal = np.empty((2, count)), np.empty((2, count))
     lines = Contours(
-        points=np.empty((count, 2)),
-        normal=np.empty((count, 2)),
-        start=even.start,
-        layer=outlines.layer,
+        points=points.T,  # in rows: whoever takes coordinates one after the other finds them side by side
+        normal=normal.T,
+        start=start,
+        layer=layer,
         polygon=loop_polygon,
         arc=step,
         arc_start=np.zeros(1),
@@ -145,64 +145,61 @@ def contours(
         room_inside=np.empty(count),
         room_outside=np.zeros(count),
     )
-    for first, last in _runs_of_layers(outlines.layer, even.start):
-        part = slice(even.start[first], even.start[last])
-        points, face[part], carried[:, part] = resampled(outlines, even, first, last)
-        _fill(
-            lines, part, points, even.start[first : last + 1] - part.start, outlines.layer[first:last], reach, settings
-        )
+    runs = list(runs_of_layers(layer, start, POINTS_AT_ONCE))
+    kernel, spacing = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH), settings.wavelength / POINTS_PER_WAVELENGTH
+    for first, last in runs:
+        part, own = slice(start[first], start[last]), start[first : last + 1] - start[first]
+        points[:, part] = filtered(resampled(outlines, even, first, last, face[part], carried[:, part]), own, kernel)
+        normal[:, part] = _normals(points[:, part], own, kernel)
+    widest = line_widths(layer, settings)
+    most_inside = 2 * (float(widest.max(initial=0.0)) + reach.inwards)
+    most_outside = 2 * (reach.outwards + NARROW_GAP) if reach.outwards else 0.0
+    thickness, clearance = gaps(points, spacing, normal, start, layer, most_inside, most_outside)
+    for first, last in runs:
+        part, own = slice(start[first], start[last]), start[first : last + 1] - start[first]
+        line_width = np.repeat(widest[first:last], np.diff(own))
+        _inset(lines, part, own, line_width, thickness[part] / 2, clearance[part] / 2, kernel, reach)
     total = np.concatenate([[0.0], np.cumsum(step)])
-    return replace(lines, arc=total[:-1], arc_start=total[even.start])
+    return replace(lines, arc=total[:-1], arc_start=total[start])
 
 
-def _runs_of_layers(layer: IntArray, start: IntArray) -> Iterable[tuple[int, int]]:
-    """First and last loop of layers that are worked on at once."""
-    begins = np.flatnonzero(np.diff(layer, prepend=-1))
-    cuts = begins[np.diff(start[begins] // POINTS_AT_ONCE, prepend=-1) > 0]
-    return pairwise([*cuts.tolist(), len(layer)])
-
-
-def _fill(
+def _inset(
     lines: Contours,
     part: slice,
-    points: FloatArray,
     start: IntArray,
-    layer: IntArray,
+    widest: FloatArray,
+    half: FloatArray,
+    half_gap: FloatArray,
+    kernel: FloatArray,
     reach: Reach,
-    settings: PrintSettings,
 ) -> None:
-    """The contours of a few layers, into their place; nothing in them depends on other layers.
+    """Move the filtered outlines of a few layers inwards; nothing depends on other layers.
 
     Args:
-        lines: what is filled; `arc` with the step from each point to the next one.
+        lines: what is filled in, first with the filtered outlines and their normals; `arc` with the step from each
+            point to the next one.
         part: where.
-        points: (2, n) mm, on the outlines.
         start: (m + 1,) offsets of the loops.
-        layer: (m,)
+        widest: (n,) mm, of the lines.
+        half: (n,) mm, half of the material's thickness.
+        half_gap: (n,) mm, half of the air's.
+        kernel: low-pass.
         reach: as in `contours`.
-        settings: as in `contours`.
     """
-    kernel, spacing = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH), settings.wavelength / POINTS_PER_WAVELENGTH
-    smooth = filtered(points, start, kernel)
-    along = steps(smooth, start)
-    normal = _normals(along, start, kernel)
-    widest = line_widths(layer, settings)
     inwards, outwards = reach
-    most_inside = 2 * (float(widest.max(initial=0.0)) + inwards)
-    most_outside = 2 * (outwards + NARROW_GAP) if outwards else 0.0
-    thickness, clearance = gaps(smooth, spacing, normal, start, layer, most_inside, most_outside)
-    widest = np.repeat(widest, np.diff(start))
-    half, width = thickness / 2, lines.width[part]
+    outline, normal, width = lines.points[part].T, lines.normal[part].T, lines.width[part]
     np.minimum(np.maximum(half, LEAST_WIDTH * widest), widest, out=width)
-    base, step, unbent = inset(smooth, along, normal, np.minimum(width, half) / 2, start, kernel)
+    depth = np.minimum(width, half)
+    depth /= 2
+    base, step, unbent = inset(outline, normal, depth, start, kernel)
     square, turning = dot(step, step), dot(steps(normal, start), step)
-    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, square, -normal, -turning, start, inwards))
+    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, square, normal, turning, -1, start, inwards))
     np.multiply(room, unbent, out=lines.room_inside[part])
     if outwards:
-        room = np.maximum(clearance / 2 - NARROW_GAP, 0.0)
-        room = np.minimum(room, bend_room(base, square, normal, turning, start, outwards))
+        room = np.maximum(half_gap - NARROW_GAP, 0.0)
+        room = np.minimum(room, bend_room(base, square, normal, turning, 1, start, outwards))
         np.multiply(room, unbent, out=lines.room_outside[part])
-    lines.points[part], lines.normal[part] = base.T, normal.T
+    outline[:] = base
     np.sqrt(square, out=lines.arc[part])
 
 
@@ -215,15 +212,15 @@ def reach_of(settings: PrintSettings) -> Reach:
     return Reach(*(REACH_STEP * math.ceil(way / REACH_STEP - ROUNDING) for way in (inwards, outwards)))
 
 
-def _normals(along: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
+def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
     """Outward unit normals, smoothed once more so that neighbouring waves do not fan out at a corner.
 
     Args:
-        along: (2, N) mm, from each point to the next one.
+        points: (2, N) mm.
         start: (M + 1,) offsets of the loops.
         kernel: low-pass.
     """
-    x, y = filtered(_unit(along + previous(along, start)), start, kernel)
+    x, y = filtered(_unit(around(points, start)), start, kernel)
     return _unit(np.stack([y, -x]))
 
 

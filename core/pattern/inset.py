@@ -19,13 +19,12 @@ NEARER = 0.9
 
 
 def inset(
-    points: FloatArray, along: FloatArray, normal: FloatArray, depth: FloatArray, start: IntArray, kernel: FloatArray
+    points: FloatArray, normal: FloatArray, depth: FloatArray, start: IntArray, kernel: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray | float]:
     """An outline moved inwards, by less where it would turn back on itself.
 
     Args:
         points: (2, N) mm, of closed loops.
-        along: (2, N) mm, from each to the next.
         normal: (2, N) unit vectors out of them.
         depth: (N,) mm.
         start: (M + 1,) offsets of the loops.
@@ -35,13 +34,15 @@ def inset(
         (2, N) mm, from each to the next (2, N) mm, and 0 to 1, (N,) or one for all, how much room for a wave such a tip
         leaves: none where the inset had to be halved.
     """
+    along = steps(points, start)
     least = UNFOLDED * dot(along, along)
     base, wanted = points - normal * depth, depth
     step = steps(base, start)
     for _ in range(UNFOLDINGS):
-        folded = (dot(step, along) < least).astype(np.float64)
-        if not folded.any():
+        turned = dot(step, along) < least
+        if not turned.any():
             break
+        folded = turned.astype(np.float64)
         ends = np.maximum(folded, previous(folded, start))
         depth = depth * (1 - 0.5 * np.minimum(2 * len(kernel) * filtered(ends, start, kernel), 1.0))
         base = points - normal * depth
@@ -51,7 +52,13 @@ def inset(
 
 
 def bend_room(
-    points: FloatArray, square: FloatArray, towards: FloatArray, opening: FloatArray, start: IntArray, reach: float
+    points: FloatArray,
+    square: FloatArray,
+    normal: FloatArray,
+    turning: FloatArray,
+    way: int,
+    start: IntArray,
+    reach: float,
 ) -> FloatArray:
     """How far points of lines may be moved before they meet others that are moved too, on the inside of a bend.
 
@@ -60,8 +67,9 @@ def bend_room(
     Args:
         points: (2, N) mm, of closed loops.
         square: (N,) mm², of how far it is from each to the next.
-        towards: (2, N) unit vectors, which way they move.
-        opening: (N,) mm, along the step, by which two neighbours that move a millimetre get farther apart.
+        normal: (2, N) unit vectors.
+        turning: (N,) mm, along the step, by which neighbours get farther apart that move a millimetre along them.
+        way: 1 where points move along the normals, -1 against them.
         start: (M + 1,) offsets of the loops.
         reach: mm, as far as anything is moved.
 
@@ -69,23 +77,22 @@ def bend_room(
         (N,) mm, at most `reach`.
     """
     room, longest = np.full(points.shape[1], reach), (reach + TIP_GAP) / BEND_SHARE
-    sharp = np.flatnonzero(opening * -longest > square)
+    sharp = np.flatnonzero(turning * (-way * longest) > square)
     if not len(sharp):
         return room
     # Points farther apart than twice the length of their rays are out of reach; around tips they lie closer together.
     span = np.arange(int(np.ceil(2 * longest / np.sqrt(square.max()))) + TIP_POINTS)
     near = np.zeros(points.shape[1], dtype=bool)
     near[_along(sharp[:, None], -span, start)] = True
-    this = np.flatnonzero(near)
-    other = _along(this[:, None], span + 1, start).ravel()
-    this = np.repeat(this, len(span))
-    own, others = towards.take(this, axis=1), towards.take(other, axis=1)
-    apart, turn = points.take(other, axis=1) - points.take(this, axis=1), cross(own, others)
+    this = np.flatnonzero(near)[:, None]
+    other = _along(this, span + 1, start)
+    own, others = normal.take(this, axis=1), normal.take(other, axis=1)
+    apart, turn = points.take(other, axis=1) - points.take(this, axis=1), way * cross(own, others)
     turn[np.abs(turn) < 1e-9] = np.inf
-    way, others_way = cross(apart, others) / turn, cross(apart, own) / turn
-    meet = np.flatnonzero((way > 0) & (others_way > 0) & (NEARER * np.maximum(way, others_way) < longest))
-    this, other, way, others_way = this[meet], other[meet], way[meet], others_way[meet]
-    for index, own_way, beside in ((this, way, others_way), (other, others_way, way)):
+    ways, others_ways = cross(apart, others) / turn, cross(apart, own) / turn
+    pair, step = np.nonzero((np.minimum(ways, others_ways) > 0) & (NEARER * np.maximum(ways, others_ways) < longest))
+    this, other, ways, others_ways = this[pair, 0], other[pair, step], ways[pair, step], others_ways[pair, step]
+    for index, own_way, beside in ((this, ways, others_ways), (other, others_ways, ways)):
         last = own_way >= NEARER * beside
         np.minimum.at(room, index[last], np.maximum(BEND_SHARE * own_way[last] - TIP_GAP, 0.0))
     return room

@@ -60,7 +60,9 @@ def even_points(outlines: Outlines, step: float, block: int) -> EvenPoints:
     return EvenPoints(start, np.concatenate([[0], held]), end - length, share, corner, along)
 
 
-def resampled(outlines: Outlines, even: EvenPoints, first: int, last: int) -> tuple[FloatArray, IntArray, FloatArray]:
+def resampled(
+    outlines: Outlines, even: EvenPoints, first: int, last: int, face: IntArray, carried: FloatArray
+) -> FloatArray:
     """Of the loops `first` to the one before `last` the even points.
 
     Args:
@@ -68,9 +70,11 @@ def resampled(outlines: Outlines, even: EvenPoints, first: int, last: int) -> tu
         even: from `even_points`.
         first: number of a loop.
         last: likewise.
+        face: (N,) takes the face of each.
+        carried: (3, N) takes the values that it carries.
 
     Returns:
-        points (2, N) mm, the face (N,) of each, and the values that it carries (3, N).
+        (2, N) mm.
     """
     among = slice(outlines.start[first], outlines.start[last])
     begin, end = even.start[first], even.start[last]
@@ -78,12 +82,17 @@ def resampled(outlines: Outlines, even: EvenPoints, first: int, last: int) -> tu
     share = np.arange(begin, end) - even.begin[among].take(segment)
     share *= even.share[among].take(segment)
     np.clip(share, 0.0, 1.0, out=share)
-    points, carried = np.empty((2, end - begin)), np.full((3, end - begin), np.nan)
+    points = np.empty((2, end - begin))
     for row, corner, along in zip(points, even.corner[:, among], even.along[:, among], strict=True):
         np.multiply(along.take(segment), share, out=row)
         row += corner.take(segment)
-    for row, ends in zip(carried, outlines.carried[among].transpose(2, 1, 0), strict=False):  # a tone or none
-        if len(segment) and not (np.isnan(ends[0, 0]) and np.isnan(ends[0]).all()):
-            np.multiply((ends[1] - ends[0]).take(segment), share, out=row)
-            row += ends[0].take(segment)
-    return points, outlines.face[among].take(segment), carried
+    columns = outlines.carried[among].transpose(2, 1, 0)
+    carried[len(columns) :] = np.nan  # a tone or none
+    for row, ends in zip(carried, columns, strict=False):
+        if len(segment) and np.isnan(ends[0, 0]) and np.isnan(ends[0]).all():
+            row[:] = np.nan
+            continue
+        np.multiply((ends[1] - ends[0]).take(segment), share, out=row)
+        row += ends[0].take(segment)
+    face[:] = outlines.face[among].take(segment)
+    return points

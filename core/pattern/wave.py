@@ -198,7 +198,7 @@ def _without_waves(
         keep[1:] |= swapped[1:] != swapped[:-1]
     point = np.flatnonzero(keep)
     return WavedOutlines(
-        base=lines.points.take(point, axis=0),
+        base=np.stack([column.take(point) for column in lines.points.T], axis=1),
         points=np.stack([row.take(point) for row in moved], axis=1),
         start=np.searchsorted(point, lines.start),
         layer=lines.layer,
