@@ -10,7 +10,6 @@ import math
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -19,6 +18,7 @@ from mathutils import Matrix
 
 from ..core.errors import PrintError
 from ..core.model import Float32Array, FloatArray
+from ..core.records import dataclass
 from ..core.settings import PrintSettings
 from ..core.strands.beads import settled, strands
 from ..core.toolpaths.moves import Moves

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import bpy
 import numpy as np
 
 from ..core.errors import MeshError, TextureError
 from ..core.model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneImage
+from ..core.records import dataclass
 from ..core.settings import PrintSettings
 from ..core.texture.decode import colour_tone
 from .base_colour import BaseColour, base_colour

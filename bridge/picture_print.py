@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ..core.model import Float32Array, ToneImage
 from ..core.pictures.match import PictureMatch, pattern_period, picture_match
 from ..core.pictures.shapes import PictureShape, surface_of
 from ..core.pipeline import DualColorPrint, generate
+from ..core.records import dataclass
 from ..core.settings import PrintSettings
 from .instrument import Face, photograph
 

@@ -9,11 +9,11 @@ has to be stored with the mesh, and unwrapping, scaling and turning the object a
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import bpy
 
 from ..core.analysis.slopes import DEGRADED_DEG, GONE_DEG
+from ..core.records import dataclass
 from ..core.soft_proof import TAPS
 from ..core.texture.decode import LUMINANCE
 from .base_colour import BaseColour

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
 
 from ..core.model import SurfaceModel
+from ..core.records import dataclass
 from ..core.settings import PrintSettings
 from ..core.stage_cache import StageCache
 

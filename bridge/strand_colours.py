@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import colorsys
-from dataclasses import dataclass
 
 import bpy
 
+from ..core.records import dataclass
 from ..core.toolpaths.moves import Feature
 
 Colour = tuple[float, float, float]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .errors import MeshError, TextureError
 from .model import FloatArray, IntArray, SurfaceModel, TriangleMesh
 from .polygons import triangle_corners
+from .records import dataclass
 from .settings import PrintSettings
 from .slicing.outlines import bounds
 

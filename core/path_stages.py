@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from shapely import Geometry, get_parts
 
@@ -14,6 +14,7 @@ from .fill.paths import fill_areas, fill_lines
 from .model import TriangleMesh
 from .pattern.contours import Contours
 from .progress import Progress
+from .records import dataclass
 from .settings import PrintSettings
 from .single_color import SingleColor, single_color
 from .slicing.planes import Layers

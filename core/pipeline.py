@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
 from typing import Any
 
 from .findings import findings
@@ -11,6 +10,7 @@ from .model import FloatArray, SurfaceModel, TriangleMesh
 from .path_stages import path_stages
 from .pattern.wave import WavedOutlines
 from .progress import Progress, drained
+from .records import dataclass
 from .settings import PrintSettings
 from .slicing.slices import Slices
 from .stage_cache import StageCache

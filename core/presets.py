@@ -6,13 +6,14 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from .errors import OutputError, SettingsError
 from .files import MOST_JSON_BYTES, read_json, write_file
 from .gcode.texts import read_back
+from .records import dataclass
 from .settings import PrintSettings
 
 PRESETS = Path(__file__).resolve().parent.parent / "presets"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cache
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 from .errors import SettingsError
 from .files import read_json
+from .records import dataclass
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]

@@ -6,13 +6,14 @@ The sidebar's properties, the command line and the header of the G-code are all 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
 from .declared import checked, setting
 from .errors import SettingsError
 from .printer import PrinterProfile, printer_names, printer_profile
+from .records import dataclass
 
 # Groups beside `print`; what a preset of a kind holds goes by them (`presets.KINDS`).
 _printer = partial(setting, group="printer")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import shapely
 
 from .model import BoolArray, FloatArray, IntArray
 from .pattern.wave import WavedOutlines
+from .records import dataclass
 from .settings import PrintSettings
 from .slicing.outlines import following, ranges, starts, sums
 from .slicing.planes import Layers

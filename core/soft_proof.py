@@ -5,7 +5,6 @@ Tables that the graphics card can look up, so that they hold while the texture i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from .calibration.gamut_mapping import image_range, printable_tones
 from .mesh import checked
 from .model import Float32Array, FloatArray, IntArray, SurfaceModel
 from .polygons import triangle_corners
+from .records import dataclass
 from .settings import PrintSettings
 
 TAPS = 3

@@ -8,7 +8,7 @@ same result, so nothing can be forgotten when a stage learns to read another set
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,6 +16,7 @@ import shapely
 from numpy.typing import NDArray
 
 from .model import BoolArray
+from .records import dataclass
 from .settings import PrintSettings
 
 Result = TypeVar("Result")

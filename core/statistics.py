@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .model import BoolArray, FloatArray, IntArray
 from .pattern.chunks import in_chunks
 from .printer import Four, PrinterProfile
+from .records import dataclass
 from .settings import PrintSettings
 from .toolpaths.moves import Feature, Moves
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import shapely
 from .fill.walls import offset, simplified
 from .model import FloatArray, IntArray
 from .pattern.contours import LEAST_WIDTH, Contours
+from .records import dataclass
 from .settings import PrintSettings
 from .slicing.planes import line_widths
 from .slicing.slices import Slices

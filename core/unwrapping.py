@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Generator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from .errors import MeshError, PrintError
 from .model import Float32Array
+from .records import dataclass
 
 TRIANGLES_PER_SECOND = 4000.0
 _POLL_S = 0.02

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .model import FloatArray
+from .records import dataclass
 from .texture.decode import linear_from_srgb, srgb_from_linear
 
 Picture = NDArray[np.uint8]

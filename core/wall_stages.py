@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from concurrent.futures import Future
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from .pattern.strand_edges import widened
 from .pattern.visibility import seam_visibility
 from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
 from .progress import Progress
+from .records import dataclass
 from .settings import PrintSettings
 from .slicing.slices import Slices, slices
 from .stages import Stages

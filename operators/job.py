@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import suppress
-from dataclasses import dataclass
 
 import bpy
 
 from ..core.errors import PrintError
 from ..core.progress import Progress, drained
+from ..core.records import dataclass
 
 Steps = Generator[Progress, None, str]
 """A job that returns the message to report."""

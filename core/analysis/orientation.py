@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..records import dataclass
 from ..settings import PrintSettings
 from .slopes import DEGRADED_DEG, GONE_DEG, FaceContrast
 

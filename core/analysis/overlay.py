@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -12,6 +11,7 @@ from ..pattern.contours import Contours
 from ..pattern.quality import PROBE_SPACING, SeamErrors
 from ..pattern.sampling import Samples
 from ..pattern.wave import places
+from ..records import dataclass
 from ..slicing.outlines import starts
 from .tracelines import Tracelines
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray, TriangleMesh
+from ..records import dataclass
 from ..slicing.outlines import ranges
 from ..viewing import Picture
 from .overlay import Rgb, SurfaceCurves

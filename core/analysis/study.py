@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from ..pattern.sampling import Projector, Samples
 from ..pattern.visibility import at_arcs, visibility_warnings
 from ..pattern.wave import modulated
 from ..progress import Progress, drained
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..stages import Stages

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from ..records import dataclass
 from ..settings import PrintSettings
 
 _ALWAYS = ("pattern", "max_unsupported", "layer_height", "extrusion_width", "sag")

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import FloatArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from .table import ToneTable, slope_shares
 

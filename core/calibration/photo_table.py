@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..errors import CalibrationError
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from .about import About, tone_settings
 from .homography import projected, square_to

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import CalibrationError
 from ..model import BoolArray, Float32Array, FloatArray
+from ..records import dataclass
 from ..texture.decode import LUMINANCE, linear_from_srgb
 from ..texture.heads import check_texels, texels_of_file
 

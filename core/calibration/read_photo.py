@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import CalibrationError
 from ..model import FloatArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from .calibrate import shipped_table
 from .marks import checked_corners, find_marks

@@ -8,13 +8,13 @@ two by two squares, whose crossing is where the photograph is taken hold of.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, ToneImage
 from ..pattern.modulation import PERIOD_LAYERS
 from ..pictures.shapes import PictureShape, picture_plate
+from ..records import dataclass
 from ..settings import PrintSettings
 
 ROWS, COLUMNS = 5, 9

@@ -6,7 +6,6 @@ import io
 import json
 import zipfile
 import zlib
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from ..errors import CalibrationError
 from ..files import write_file
 from ..model import FloatArray
+from ..records import dataclass
 from .about import About
 
 BLOCKS = ("face", "phi", "theta")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from ..errors import CalibrationError
 from ..files import read_json, write_file
 from ..model import FloatArray
+from ..records import dataclass
 from .about import About
 
 if TYPE_CHECKING:

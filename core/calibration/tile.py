@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..model import FloatArray, SurfaceModel, ToneImage
 from ..pattern.modulation import PERIOD_LAYERS
+from ..records import dataclass
 
 DEPTH_MM = 4.0
 

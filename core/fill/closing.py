@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 
 from ..model import FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths
 from ..slicing.regions import layer_regions

@@ -8,12 +8,11 @@ hatched and joined like for any other lines, for all layers at once, and the lin
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 
 from ..model import FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import starts
 from ..toolpaths.moves import Feature, Paths

@@ -8,11 +8,10 @@ most, a chain of spans climbs line by line, and all regions are joined at once, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from .arcs import Arcs, arcs, strays
 from .hatch import Crossings, Spans
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 
 from ..model import BoolArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from .parallel import Shapes
 from .walls import offset

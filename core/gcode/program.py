@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.chunks import CHUNK_ROWS
 from ..printer import PrinterProfile
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..statistics import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Feature, Moves

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import PrintError, SettingsError
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Moves
 from ..toolpaths.recovered import UNKNOWN, recovered_moves

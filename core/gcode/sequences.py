@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from ..printer import PrinterProfile
+from ..records import dataclass
 from ..settings import PrintSettings
 from .marlin import marlin_end, marlin_start, marlin_tool_change
 

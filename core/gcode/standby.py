@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..breakdown import NOZZLE_C_PER_S
 from ..model import FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 

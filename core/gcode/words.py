@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from ..errors import PrintError
 from ..files import MOST_PRINT_BYTES
 from ..model import FloatArray, IntArray
+from ..records import dataclass
 
 LETTERS = "XYZABEFT"
 _COLUMN = np.full(256, -1, dtype=np.int64)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from ..model import FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word

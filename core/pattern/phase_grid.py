@@ -8,11 +8,10 @@ and the phases of the two sides owe each other nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import following, preceding, ranges, starts
 from .contours import Contours, long_enough, loop_of

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import FloatArray, IntArray
+from ..records import dataclass
 from ..slicing.outlines import Outlines, starts, sums
 from .along_loops import dot, rows, steps
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import ahead, preceding, starts
 from .chunks import in_chunks

@@ -13,11 +13,10 @@ is kept. Where time is taken for it, the count gets sharper stage by stage, at p
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import following, preceding
 from .contours import Contours, loop_of

@@ -7,12 +7,12 @@ waves end, so that the region's own strands meet in front of what is set back, o
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import preceding
 from .contours import Contours

@@ -21,11 +21,10 @@ of all starts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import FloatArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, on_grid

@@ -12,12 +12,12 @@ The sum of all waves is steered to that of the plan, so that the mean spacing is
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import sums
 from .contours import Contours

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..model import FloatArray, ToneImage
 from ..pattern.modulation import PERIOD_LAYERS
 from ..presets import preset_values
+from ..records import dataclass
 from ..settings import PrintSettings
 from .shapes import PictureShape, picture_tube
 

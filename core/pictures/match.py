@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray
 from ..pattern.modulation import PERIOD_LAYERS
 from ..pattern.wave import WavedOutlines
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import following
 

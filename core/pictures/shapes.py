@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import MeshError
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, SurfaceModel, ToneImage
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import starts
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import IntArray
+from ..records import dataclass
 from .outlines import starts
 
 _MANY = 1 << 14

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray, TriangleMesh
 from ..pattern.chunks import in_chunks
+from ..records import dataclass
 from ..texture.islands import complex_uv
 from .edges import faces_beyond
 from .outlines import starts

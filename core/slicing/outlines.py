@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 
 
 @dataclass(frozen=True)

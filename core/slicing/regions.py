@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from .outlines import Outlines, ranges, starts
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -12,6 +10,7 @@ from ..errors import MeshError
 from ..mesh import size_hint
 from ..model import BoolArray, IntArray, TriangleMesh
 from ..pattern.chunks import in_threads
+from ..records import dataclass
 from ..settings import PrintSettings
 from .bands import linked_outlines
 from .open_layers import check_open

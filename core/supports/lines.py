@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 
@@ -12,6 +10,7 @@ from ..fill.joining import LinkLimits, joined
 from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset
 from ..model import FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Paths
 from .overlay import difference, intersection, nothing, once, thickness

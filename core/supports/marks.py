@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 
@@ -12,6 +10,7 @@ from ..fill.parallel import Shapes, in_chunks
 from ..mesh import weld
 from ..model import BoolArray, FloatArray, IntArray, SupportMark, SupportVolume, TriangleMesh
 from ..polygons import triangle_corners
+from ..records import dataclass
 from ..slicing.intersect import intersect
 from ..slicing.link import link
 from ..slicing.regions import solid_regions

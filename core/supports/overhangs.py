@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 
 from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
 from ..model import FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..slicing.slices import Slices

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import shapely
 from shapely import Geometry
 
 from ..fill.parallel import Shapes
 from ..model import FloatArray, TriangleMesh
 from ..pattern.contours import Contours
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.slices import Slices
 from ..toolpaths.moves import Paths

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..errors import TextureError
 from ..model import Float32Array, FloatArray
+from ..records import dataclass
 from .decode import LUMINANCE, linear_from_srgb, srgb_from_linear
 
 MOST_CLIPPED = 0.005

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from itertools import pairwise
 
 import numpy as np
 
 from ..errors import TextureError
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..records import dataclass
 from ..slicing.intersect import following_corner
 from ..slicing.outlines import ranges
 from .islands import NO_ISLAND, LabelImage, complex_uv, components, corner_places, numbered, uv_areas

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
+from ..records import dataclass
 from .islands import NO_ISLAND, LabelImage
 from .labels import Charts, uv_charts
 from .lanczos import reduced, texel_spacing

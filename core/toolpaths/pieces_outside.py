@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..slicing.outlines import ranges, starts
 
 # Pairs of a line and an edge of its room that are looked at together.

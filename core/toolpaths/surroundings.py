@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
 from ..pattern.contours import POINTS_PER_WAVELENGTH
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import bounds
 from ..slicing.planes import Layers, line_widths

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..printer import PrinterProfile
+from ..records import dataclass
 from .commands import Action, Command
 from .reader import Commands
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..printer import PrinterProfile
+from ..records import dataclass
 from . import commands
 from .commands import AXES, FILAMENT_AXES, MOVE, Command
 from .track import Kind, Track

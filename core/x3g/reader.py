@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import PrintError
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from .commands import AXES, MOVE, SIZES, Command
 
 ByteArray = NDArray[np.uint8]

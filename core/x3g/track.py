@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import IntEnum
 from itertools import pairwise
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from ..gcode.program import Lines, Program
 from ..model import IntArray
 from ..printer import PrinterProfile
+from ..records import dataclass
 from . import commands
 from .commands import Action, Command
 
