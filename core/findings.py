@@ -59,7 +59,7 @@ def findings(
         *_warnings(cut, wall.lines, wall.samples, settings),
         *size_warnings(mesh, model.name, settings),
         *thin_warnings(thin, settings),
-        *skirt_warnings(moves, settings),
+        *skirt_warnings(paths.around, settings),
         *slope_warnings(slopes),
         *standby_warnings(moves, seconds, settings),
         *visibility_warnings(mesh, settings),

@@ -12,7 +12,7 @@ from dualcolor.core.toolpaths.loops import on_layers
 from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.shield import shield_paths
-from dualcolor.core.toolpaths.skirt import skirt_paths
+from dualcolor.core.toolpaths.skirt import skirt_paths, skirt_warnings
 from dualcolor.core.toolpaths.surroundings import Ground, ground, shadow, surrounding_paths
 from dualcolor.tests.bed import REACH, SETTINGS, loops_of, stack
 from dualcolor.tests.solids import box
@@ -183,6 +183,16 @@ def test_skirt_without_room_or_wish():
     assert not len(skirt_paths(shapely.Polygon(), SETTINGS).layer)
     apart = shapely.union_all([shapely.box(-50, 0, -40, 10), shapely.box(40, 0, 50, 10)])
     assert len(skirt_paths(apart, SETTINGS).layer) == 2
+
+
+def test_loops_around_several_parts_count_once():
+    apart = shapely.union(shapely.box(-103.5, -10, -90, 10), shapely.box(60, -10, 103.5, 10))  # room for one
+    for wanted, said in ((1, []), (2, ["1 of 2 loops"]), (4, ["1 of 4 loops"])):
+        settings = SETTINGS.changed({"skirts": wanted})
+        made = skirt_paths(apart, settings)
+        found = skirt_warnings(made, settings)
+        assert len(made.layer) == 2 and len(found) == len(said)
+        assert all(words in text for words, text in zip(said, found, strict=True))
 
 
 def test_a_skirt_without_room_is_a_warning():

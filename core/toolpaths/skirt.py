@@ -7,7 +7,7 @@ import shapely
 
 from ..settings import PrintSettings
 from .loops import Turn, exterior_rings, first_layer_loops, loop_points
-from .moves import Feature, Moves, Paths
+from .moves import Feature, Paths
 
 CORNER_TOLERANCE_MM = 0.05
 LEAST_DISTANCE_MM = 1.0
@@ -41,10 +41,19 @@ def skirt_paths(footprint: shapely.Geometry, settings: PrintSettings) -> Paths:
     return first_layer_loops([loop_points(ring) for ring in rings], Feature.SKIRT, Turn.SKIRT, width)
 
 
-def skirt_warnings(moves: Moves, settings: PrintSettings) -> list[str]:
-    """Says that the skirt has fewer loops than asked for."""
-    skirt = moves.feature == Feature.SKIRT
-    loops = int((np.diff(skirt.astype(np.int8), prepend=0) > 0).sum())
+def skirt_warnings(around: Paths, settings: PrintSettings) -> list[str]:
+    """Says that the skirt has fewer loops than asked for.
+
+    Args:
+        around: what stands around the object; the loops of its skirt lie one within another, around each part.
+        settings: skirts is used.
+    """
+    rings = [
+        shapely.polygons(around.points[around.start[path] : around.start[path + 1]])
+        for path in np.flatnonzero(around.feature == Feature.SKIRT)
+    ]
+    inside = shapely.contains_properly(np.array(rings)[:, None], rings) if rings else np.zeros((1, 0), dtype=bool)
+    loops = int(inside.sum(axis=0).max(initial=-1)) + 1
     if loops >= settings.skirts:
         return []
     kept = f"{loops} of {settings.skirts} loops of the skirt" if loops else "no skirt"
