@@ -9,7 +9,7 @@ from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths
-from ..slicing.regions import layer_regions
+from ..slicing.regions import gathered
 from .bridges import Bridges, bridges
 from .parallel import Shapes
 from .skins import Skins, skins
@@ -67,7 +67,7 @@ def _layers_of(shapes: Shapes, layer: IntArray, layers: int) -> Shapes:
     """(L,) the shapes of each layer, which may meet since they were simplified, in one."""
     parts, owner = shapely.get_parts(shapes, return_index=True)
     some = ~shapely.is_empty(parts)
-    outlines = layer_regions(parts[some], layer[owner[some]], layers)
+    outlines = gathered(parts[some], layer[owner[some]], layers)
     several = np.flatnonzero(np.bincount(layer[owner[some]], minlength=layers) > 1)
     crossing = several[~shapely.is_valid(outlines[several])]
     outlines[crossing] = shapely.buffer(outlines[crossing], 0)

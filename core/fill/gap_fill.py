@@ -10,6 +10,7 @@ import shapely
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..slicing.outlines import starts
+from ..slicing.regions import gathered
 from ..toolpaths.moves import Feature, Paths
 from .mitres import Moved
 from .parallel import Shapes, in_chunks
@@ -55,9 +56,7 @@ def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, into_
     walls = shapely.buffer(inner[rows], (1 + _CORNER) * width - reach, quad_segs=2)
     parts, owner = shapely.get_parts(shapely.difference(offset(outer[rows], -reach), walls), return_index=True)
     large = (shapely.area(parts) > _SMALLEST_MM2) & (shapely.get_dimensions(parts) == 2)
-    if large.any():
-        filled, group = np.unique(owner[large], return_inverse=True)
-        found[rows[filled]] = shapely.multipolygons(parts[large], indices=group)
+    found[rows] = gathered(parts[large], owner[large], len(rows))
     return found
 
 

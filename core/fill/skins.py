@@ -8,6 +8,7 @@ import shapely
 from ..model import BoolArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..slicing.regions import gathered
 from .parallel import Shapes
 from .walls import offset
 
@@ -51,11 +52,9 @@ def skins(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: Pr
     pieces, owner = pieces[~whole[owner]], owner[~whole[owner]]
     cores, piece = shapely.get_parts(offset(pieces, -0.25 * width_mm), return_index=True)
     wide = ~shapely.is_empty(cores)
-    if wide.any():
-        of_region = owner[piece[wide]]
-        order = np.argsort(of_region, kind="stable")
-        rows, group = np.unique(of_region[order], return_inverse=True)
-        regions[rows] = offset(shapely.multipolygons(cores[wide][order], indices=group), 1.25 * width_mm)
+    grown = gathered(cores[wide], owner[piece[wide]], len(inside))
+    rows = np.flatnonzero(~shapely.is_empty(grown))
+    regions[rows] = offset(grown[rows], 1.25 * width_mm)
     return Skins(regions, whole)
 
 
@@ -157,8 +156,8 @@ def _with_remnants(inside: Shapes, solid: Shapes, sparse: Shapes, smallest_mm2: 
     poor = np.unique(owner[~large & ~shapely.is_empty(parts)])
     kept = large & np.isin(owner, poor) & ~shapely.is_empty(parts)
     solid[poor], sparse[poor] = inside[poor], shapely.Polygon()
-    if kept.any():
-        rows, group = np.unique(owner[kept], return_inverse=True)
-        sparse[rows] = shapely.multipolygons(parts[kept], indices=group)
-        solid[rows] = remainder(inside[rows], sparse[rows])
+    left = gathered(parts[kept], owner[kept], len(sparse))
+    rows = np.flatnonzero(~shapely.is_empty(left))
+    sparse[rows] = left[rows]
+    solid[rows] = remainder(inside[rows], left[rows])
     return solid, sparse

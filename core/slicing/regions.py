@@ -153,20 +153,26 @@ def _parents(inner: IntArray, outer: IntArray, area: FloatArray) -> IntArray:
     return parent
 
 
-def layer_regions(polygons: NDArray[np.object_], polygon_layer: IntArray, layers: int) -> NDArray[np.object_]:
-    """(L,) one multipolygon a layer; empty where nothing is."""
-    regions = np.empty(layers, dtype=object)
-    regions[:] = shapely.MultiPolygon()
-    if len(polygons):
-        present = np.unique(polygon_layer)
-        regions[present] = shapely.multipolygons(polygons, indices=np.searchsorted(present, polygon_layer))
-    return regions
+def gathered(parts: NDArray[np.object_], owner: IntArray, count: int) -> NDArray[np.object_]:
+    """(N,) one multipolygon for each owner, of its parts in their order; empty where there are none.
+
+    Args:
+        parts: (P,) polygons; those of one owner do not overlap.
+        owner: (P,) from 0 to N - 1.
+        count: N.
+    """
+    whole = np.full(count, shapely.MultiPolygon(), dtype=object)
+    if len(parts):
+        order = np.argsort(owner, kind="stable")
+        rows, row = np.unique(owner[order], return_inverse=True)
+        whole[rows] = shapely.multipolygons(parts[order], indices=row)
+    return whole
 
 
 def solid_regions(outlines: Outlines, layers: int) -> NDArray[np.object_]:
     """(L,) cross-sections of a solid by the non-zero rule; where its loops cross, what GEOS makes of them."""
     solid = regions_of(outlines)
-    regions = layer_regions(solid.polygons, solid.polygon_layer, layers)
+    regions = gathered(solid.polygons, solid.polygon_layer, layers)
     broken = ~shapely.is_valid(regions)
     regions[broken] = shapely.make_valid(regions[broken])
     return regions

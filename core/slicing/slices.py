@@ -17,7 +17,7 @@ from .open_layers import check_open
 from .outlines import Outlines, sums
 from .overlaps import overlaps
 from .planes import Layers, layer_stack
-from .regions import Regions, layer_regions, regions_of
+from .regions import Regions, gathered, regions_of
 from .uncross import uncrossed
 from .union import united
 
@@ -68,7 +68,7 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     shortest = np.pi * settings.extrusion_width
     whole, specks = cleaned(raw, shortest)
     solid = regions_of(whole)
-    regions = layer_regions(solid.polygons, solid.polygon_layer, len(stack))
+    regions = gathered(solid.polygons, solid.polygon_layer, len(stack))
     crossing = ~shapely.is_valid(regions)
     if crossing.any():
         # Nesting says nothing about loops that cross: go back to the loops as they were cut.
@@ -98,12 +98,12 @@ def _mended(outlines: Outlines, crossing: BoolArray, shortest: float) -> tuple[R
     """The regions of the layers with loops that cross, which `crossing` (L,) marks, and one multipolygon for each."""
     loops = outlines.selected(crossing[outlines.layer])
     solid = regions_of(cleaned(uncrossed(loops), shortest)[0])
-    regions = layer_regions(solid.polygons, solid.polygon_layer, len(crossing))
+    regions = gathered(solid.polygons, solid.polygon_layer, len(crossing))
     still = ~shapely.is_valid(regions)
     if still.any():
         whole = regions_of(_united_where(loops, still, shortest))
         solid = solid.with_layers_from(whole, still)
-        regions[still] = layer_regions(whole.polygons, whole.polygon_layer, len(crossing))[still]
+        regions[still] = gathered(whole.polygons, whole.polygon_layer, len(crossing))[still]
     return solid, regions[crossing]
 
 

@@ -7,8 +7,9 @@ import shapely
 
 from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
+from ..slicing.regions import gathered
 from .overhangs import Contacts
-from .overlay import GRID_MM, SIMPLIFY_MM, areas, difference, gathered, intersection, nothing
+from .overlay import GRID_MM, SIMPLIFY_MM, areas, difference, intersection, nothing
 
 # Gaps and bays narrower than twice this, mm, are filled.
 _HALF_GAP_MM = 0.5

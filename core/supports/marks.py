@@ -13,8 +13,8 @@ from ..polygons import triangle_corners
 from ..records import dataclass
 from ..slicing.intersect import intersect
 from ..slicing.link import link
-from ..slicing.regions import solid_regions
-from .overlay import gathered, nothing
+from ..slicing.regions import gathered, solid_regions
+from .overlay import nothing
 
 # Marked areas reach farther than their faces by this much, mm: more than outlines are simplified by.
 _MARGIN_MM = 0.05

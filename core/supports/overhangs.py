@@ -11,9 +11,10 @@ from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
+from ..slicing.regions import gathered
 from ..slicing.slices import Slices
 from .marks import Marks
-from .overlay import areas, gathered, nothing, thickness
+from .overlay import areas, nothing, thickness
 
 # Outlines are simplified by this much, mm, before layers are compared.
 TOLERANCE_MM = 0.02

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from ..fill.parallel import Shapes, in_chunks
-from ..model import FloatArray, IntArray
+from ..model import FloatArray
 
 GRID_MM = 0.01
 """Vertices of supports lie on this grid: overlays on it are exact, whatever the shapes have in common."""
@@ -40,15 +40,6 @@ def areas(shapes: Shapes | shapely.Geometry) -> Shapes:
 def nothing(count: int) -> Shapes:
     """(N,) empty shapes."""
     return np.full(count, shapely.MultiPolygon(), dtype=object)
-
-
-def gathered(parts: Shapes, owner: IntArray, count: int) -> Shapes:
-    """(N,) multipolygons of the parts by their owners, which are sorted; parts of one owner do not overlap."""
-    whole = nothing(count)
-    if len(parts):
-        rows, index = np.unique(owner, return_inverse=True)
-        whole[rows] = shapely.multipolygons(parts, indices=index)
-    return whole
 
 
 def thickness(shapes: Shapes) -> FloatArray:

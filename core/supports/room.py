@@ -12,9 +12,10 @@ from ..pattern.contours import Contours
 from ..pattern.wave import valley_lines
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths
+from ..slicing.regions import gathered
 from ..slicing.slices import Slices
 from ..toolpaths.outer_wall import inside_of_lines
-from .overlay import GRID_MM, SIMPLIFY_MM, gathered
+from .overlay import GRID_MM, SIMPLIFY_MM
 
 # The object's outlines may differ from the true ones by this much, mm.
 _TOLERANCE_MM = 0.03
@@ -39,9 +40,7 @@ def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settin
     crest = valley_lines(lines, -depth, np.zeros_like(depth))
     outside = inside_of_lines(lines, crest, len(cut.polygons), _TOLERANCE_MM)
     parts, owner = shapely.get_parts(outside, return_index=True)
-    layer = cut.polygon_layer[owner]
-    order = np.argsort(layer, kind="stable")
-    crests = gathered(parts[order], layer[order], len(cut.regions))
+    crests = gathered(parts, cut.polygon_layer[owner], len(cut.regions))
     half = settings.extrusion_width / 2
     wall = line_widths(np.arange(len(cut.regions)), settings) / 2
 

@@ -10,8 +10,9 @@ import shapely
 from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
 from ..model import FloatArray, IntArray
+from ..slicing.regions import gathered
 from .overhangs import Contacts
-from .overlay import SIMPLIFY_MM, difference, gathered, once, thickness
+from .overlay import SIMPLIFY_MM, difference, once, thickness
 
 # Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
 _WORTHWHILE_MM2 = 3.0

@@ -10,7 +10,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
 from ..slicing.outlines import ahead, preceding, ranges, starts, sums
-from ..slicing.regions import ring_polygons
+from ..slicing.regions import gathered, ring_polygons
 from .moves import Feature, Paths
 
 
@@ -100,12 +100,9 @@ def _inside(
         return inside
     inside[polygon[shells]] = _rings(after, start, shells, tolerance)
     parts, hole = shapely.get_parts(_rings(after, start, holes, tolerance), return_index=True)
-    of_part = polygon[holes][hole]
-    order = np.argsort(of_part, kind="stable")
-    pierced, group = np.unique(of_part[order], return_inverse=True)
-    if len(pierced):
-        gathered = shapely.buffer(shapely.multipolygons(parts[order], indices=group), 0)
-        inside[pierced] = shapely.difference(inside[pierced], gathered)
+    pierced = gathered(parts, polygon[holes][hole], polygons)
+    rows = np.flatnonzero(~shapely.is_empty(pierced))
+    inside[rows] = shapely.difference(inside[rows], shapely.buffer(pierced[rows], 0))
     return inside
 
 
