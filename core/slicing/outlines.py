@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from functools import cached_property
 
 import numpy as np
 
@@ -51,12 +52,14 @@ class Outlines:
         """(N, 2) mm, where each segment ends."""
         return ahead(self.points, self.start)
 
-    @property
+    @cached_property
     def signed_area(self) -> FloatArray:
-        """(M,) mm², positive for counter-clockwise loops."""
+        """(M,) mm², positive for counter-clockwise loops; not to be written to."""
         # Relative to a point of the loop itself, so that a far-away loop loses no digits.
-        x, y = (column - np.repeat(column[self.start[:-1]], self.count) for column in self.points.T)
-        return sums(x * ahead(y, self.start) - y * ahead(x, self.start), self.start) / 2
+        x, y = self.points.T - np.repeat(self.points[self.start[:-1]].T, self.count, axis=1)
+        area: FloatArray = sums(x * ahead(y, self.start) - y * ahead(x, self.start), self.start) / 2
+        area.flags.writeable = False
+        return area
 
     def selected(self, keep: BoolArray) -> Outlines:
         """Only the loops that `keep` (M,) marks."""
@@ -68,13 +71,15 @@ class Outlines:
         """Of the loops that `keep` (M,) marks the points that `point` (N,) marks, `count` (M,) of each loop."""
         if keep.all() and point.all():
             return self
+        if not keep.any():
+            return self.between(0, 0)
         return self._of(np.flatnonzero(np.repeat(keep, self.count) & point), count[keep], self.layer[keep])
 
     def _of(self, point: IntArray, count: IntArray, layer: IntArray) -> Outlines:
         """Loops of some of the points, `count` (M,) each."""
         # `take` is several times as fast as indexing where each row holds a few numbers.
         points, carried = self.points.take(point, axis=0), self.carried.take(point, axis=0)
-        return Outlines(points, starts(count), layer, self.face[point], carried)
+        return Outlines(points, starts(count), layer, self.face.take(point), carried)
 
     def between(self, first: int, last: int) -> Outlines:
         """The loops from `first` to the one before `last`, as views."""

@@ -119,8 +119,10 @@ def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
     Returns:
         The outlines, and the loops with an area that were too short.
     """
-    along = outlines.ends - outlines.points
-    length = np.hypot(along[:, 0], along[:, 1])
+    along = outlines.ends
+    along -= outlines.points
+    along *= along
+    length = np.sqrt(along[:, 0] + along[:, 1])
     point = length > SHORTEST_SEGMENT
     count = outlines.count if point.all() else sums(point.astype(np.float64), outlines.start).astype(np.int64)
     real = (count >= 3) & (np.abs(outlines.signed_area) > SMALLEST_AREA)

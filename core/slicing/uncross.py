@@ -54,6 +54,9 @@ def _crossings(outlines: Outlines) -> tuple[IntArray, FloatArray, FloatArray]:
     """
     tails, heads = outlines.points, outlines.ends
     first, second = _near_pairs(tails, heads, outlines.layer[outlines.loop])
+    onwards = outlines.following
+    apart = np.flatnonzero((onwards.take(first) != second) & (onwards.take(second) != first))  # the others touch
+    first, second = first.take(apart), second.take(apart)
     a, b, c, d = tails[first], heads[first], tails[second], heads[second]
     # On which side of each segment's line the ends of the other one lie.
     before, after = _cross(b - a, c - a), _cross(b - a, d - a)
@@ -81,13 +84,14 @@ def _near_pairs(tails: FloatArray, heads: FloatArray, layer: IntArray) -> tuple[
     pitch = layer * (np.ptp(np.append(low, high)) + 1) if len(layer) else layer
     low, high = low + pitch, high + pitch
     order = np.argsort(low)
-    count = np.searchsorted(low[order], high[order], side="right") - np.arange(1, len(order) + 1)
+    low, high, left, right = (bound.take(order) for bound in (low, high, left, right))
+    count = np.searchsorted(low, high, side="right") - np.arange(1, len(order) + 1)
     if count.sum() > _MOST_PAIRS * len(count):
         count[:] = 0
     found = [np.zeros((2, 0), dtype=np.int64)]
     for part in np.split(np.arange(len(count)), np.flatnonzero(np.diff(np.cumsum(count) // _PAIRS_AT_ONCE)) + 1):
-        one, other = order[np.repeat(part, count[part])], order[ranges(part + 1, count[part])]
-        meets = (left[one] <= right[other]) & (left[other] <= right[one])
-        found.append(np.stack([one[meets], other[meets]]))
+        one, other = np.repeat(part, count[part]), ranges(part + 1, count[part])
+        meets = np.flatnonzero((left.take(one) <= right.take(other)) & (left.take(other) <= right.take(one)))
+        found.append(order.take([one.take(meets), other.take(meets)]))
     first, second = np.concatenate(found, axis=1)
     return first, second

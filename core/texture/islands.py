@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -69,26 +70,29 @@ def uv_areas(face_uv: FloatArray) -> FloatArray:
 def components(groups: IntArray) -> IntArray:
     """Connected components of nodes that occur together: of groups (G, k) of node numbers, each group's root (G,)."""
     columns = [np.ascontiguousarray(column) for column in groups.T]
-    one, other = (np.concatenate(ends) for ends in (columns[:-1], columns[1:]))
-    return np.asarray(_roots(one, other, int(groups.max(initial=-1)) + 1).take(columns[0]))
+    return np.asarray(_roots(columns, int(groups.max(initial=-1)) + 1).take(columns[0]))
 
 
-def _roots(one: IntArray, other: IntArray, count: int) -> IntArray:
-    """(count,) alike for nodes that are connected by links from `one` (K,) to `other` (K,).
+def _roots(columns: list[IntArray], count: int) -> IntArray:
+    """(count,) alike for nodes that are connected by links from each of some columns (K,) to the next one.
 
     Every node is hooked to one that it is linked to and that has a lesser number, and all paths are halved. Then the
     trees are nodes themselves, numbered the other way round: a node that has many linked to it, all of them greater
     or all of them less, does no more than one link a round in one of the two ways, but all of them in the other.
     """
     parent = np.arange(count)
-    parent[np.maximum(one, other)] = np.minimum(one, other)
+    for one, other in pairwise(columns):
+        parent[np.maximum(one, other)] = np.minimum(one, other)
     parent = _flattened(parent)
-    one, other = parent.take(one), parent.take(other)
-    apart = one != other
-    if not apart.any():
+    links = []
+    for one, other in pairwise([parent.take(column) for column in columns]):
+        apart = np.flatnonzero(one != other)
+        links.append((one.take(apart), other.take(apart)))
+    ends = [np.concatenate(parts) for parts in zip(*links, strict=True)]
+    if not len(ends[0]):
         return parent
     tree = np.cumsum((parent == np.arange(count))[::-1])[::-1] - 1
-    above = _roots(tree.take(one[apart]), tree.take(other[apart]), int(tree[0]) + 1)
+    above = _roots([tree.take(each) for each in ends], int(tree[0]) + 1)
     return np.asarray(above.take(tree.take(parent)))
 
 

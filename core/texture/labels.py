@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import fields
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import TextureError
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..pattern.chunks import CHUNK_ROWS
 from ..records import dataclass
 from ..slicing.intersect import following_corner
 from ..slicing.outlines import ranges
@@ -144,15 +148,20 @@ def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray, island: Label
     own[one], own[other] = uv.take(corner), uv.take(after)
     start, end = (own.take(corners).view(np.float64).reshape(-1, 2) * size for corners in (one, other))
     turn = side[face]
-    crossing = (_centre_from(start[:, 1]) != _centre_from(end[:, 1])) & (turn != 0)
-    face, one, other, start, end, turn = (values[crossing] for values in (face, one, other, start, end, turn))
+    crossing = np.flatnonzero((_centre_from(start[:, 1]) != _centre_from(end[:, 1])) & (turn != 0))
+    face, one, other, start, end, turn = _some(crossing, face, one, other, start, end, turn)
     # Two triangles on either side of an edge run along it in opposite directions.
     pair = np.unique(np.minimum(one, other) * places + np.maximum(one, other), return_inverse=True)[1]
-    single = (np.bincount(pair, np.where(one < other, turn, -turn)) != 0)[pair]
-    face, start, end, turn = (values[single] for values in (face, start, end, turn))
+    single = np.flatnonzero((np.bincount(pair, np.where(one < other, turn, -turn)) != 0).take(pair))
+    face, start, end, turn = _some(single, face, start, end, turn)
     up = start[:, 1] < end[:, 1]
     low, high = np.where(up[:, None], start, end), np.where(up[:, None], end, start)
     return _Edges(low, high, up == (turn > 0), island[face])
+
+
+def _some(rows: IntArray, *columns: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    """Some of the rows of each column; several times as fast as by indexing."""
+    return (column.take(rows, axis=0) for column in columns)
 
 
 def _on_borders(place: IntArray, side: FloatArray, places: int) -> IntArray:
@@ -162,11 +171,12 @@ def _on_borders(place: IntArray, side: FloatArray, places: int) -> IntArray:
     each place, end less begin, summed over the triangles, is nothing. A mirrored triangle ends where it begins.
     """
     number = np.random.default_rng(0).integers(1 << 44, size=places).astype(np.float64)
-    numbers = number.take(place)
-    difference = np.empty_like(numbers)
-    for k in range(3):
-        np.subtract(numbers[:, k - 2], numbers[:, k - 1], out=difference[:, k])
-        difference[:, k] *= side
+    difference = np.empty(place.shape)
+    for begin in range(0, len(place), CHUNK_ROWS):
+        part = slice(begin, begin + CHUNK_ROWS)
+        numbers = number.take(place[part])
+        for k in range(3):
+            np.multiply(numbers[:, k - 2] - numbers[:, k - 1], side[part], out=difference[part, k])
     total = np.bincount(place.ravel(), difference.ravel(), places)  # of whole numbers, so that nothing is rounded
     outside = (total != 0).take(place)
     return np.concatenate([3 * np.flatnonzero(outside[:, k] & outside[:, k - 2]) + k for k in range(3)])
