@@ -14,6 +14,7 @@ from ..core.model import Float32Array, ToneImage
 from ..core.texture.decode import tone_image
 from ..core.texture.grade import linear_colours
 from ..core.texture.heads import check_texels, texels, texels_of_file
+from ..core.texture.orientation import orientation_of_file, upright
 from .quiet import quiet_stderr
 
 RAW_COLOUR_SPACES = ("Non-Color", "Raw", "Generic Data", "ACES2065-1", "ACEScg", "Working Space")
@@ -39,6 +40,19 @@ def load_image(path: Path) -> bpy.types.Image:
         bpy.data.images.remove(image)
         raise TextureError(f"{path} is not an image that Blender can read", hint)
     return image
+
+
+def picture_tone(path: Path) -> ToneImage:
+    """The tone of a picture file, the way up that its camera tells; Blender itself shows pictures as they are stored.
+
+    Raises:
+        TextureError: the file is missing, not a picture, or one of absurd size.
+    """
+    image = load_image(path)
+    try:
+        return upright(image_tone(image), orientation_of_file(path, tuple(image.size)))
+    finally:
+        bpy.data.images.remove(image)
 
 
 def image_tone(image: bpy.types.Image) -> ToneImage:

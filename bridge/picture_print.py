@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..core.model import Float32Array, ToneImage
 from ..core.pictures.match import PictureMatch, pattern_period, picture_match
 from ..core.pictures.shapes import PictureShape, surface_of
@@ -19,11 +21,13 @@ class PicturePrint:
         result: the print.
         photograph: (H, W) linear reflectance of its front, row 0 at the top, NaN where nothing is.
         match: of photograph and picture.
+        painted: (H, W) the picture with the background's tone where it is not painted, row 0 at the bottom.
     """
 
     result: DualColorPrint
     photograph: Float32Array
     match: PictureMatch
+    painted: Float32Array
 
 
 def picture_print(
@@ -51,6 +55,6 @@ def picture_print(
     width, height = plate.size
     front = Face((0.0, float(plate.vertices[:, 1].min()), height / 2), width, height)
     seen = photograph(result.moves, settings, front, mm_per_pixel=mm_per_pixel, samples=samples)
-    painted = picture.alpha * picture.tone + (1 - picture.alpha) * settings.background_tone
-    match = picture_match(seen, painted.astype("float32"), mm_per_pixel, pattern_period(result.outlines, settings))
-    return PicturePrint(result, seen, match)
+    painted = picture.alpha * picture.tone + (1 - picture.alpha) * np.float32(settings.background_tone)
+    match = picture_match(seen, painted, mm_per_pixel, pattern_period(result.outlines, settings))
+    return PicturePrint(result, seen, match, painted)

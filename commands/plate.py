@@ -97,7 +97,7 @@ def _plates(
     """One picture in all patterns: its sheet is written."""
     from PIL import Image
 
-    from ..bridge.image_input import image_tone, load_image
+    from ..bridge.image_input import picture_tone
     from ..bridge.picture_print import picture_print
     from ..bridge.quiet import quiet_stdout
     from ..core.exports import export_gcode
@@ -106,7 +106,7 @@ def _plates(
     paths, files = outputs
     bar, before = progress
     with quiet_stdout():
-        picture = fitted(image_tone(load_image(image)), plate, auto_contrast=not args.plain_contrast)
+        picture = fitted(picture_tone(image), plate, auto_contrast=not args.plain_contrast)
     photographs, found, periods = {}, {}, {}
     for number, pattern in enumerate(args.patterns):
         bar.show((before + number / len(args.patterns)) / len(args.images), f"{image.name}, {pattern}")
@@ -117,7 +117,7 @@ def _plates(
         periods[pattern] = (PERIOD_LAYERS * chosen.layer_height, made.match.period_mm)
         if args.gcode:
             export_gcode(made.result, files.staged(paths[_gcode(image, pattern)]))
-    drawn = sheet(picture.tone, photographs, periods, args.mm_per_pixel)
+    drawn = sheet(made.painted, photographs, periods, args.mm_per_pixel)
     Image.fromarray(drawn).convert("L").save(files.staged(paths[_sheet(image)]), optimize=True)
     return found
 

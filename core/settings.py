@@ -14,6 +14,7 @@ from .declared import checked, setting
 from .errors import SettingsError
 from .printer import PrinterProfile, printer_names, printer_profile
 from .records import dataclass
+from .setting_names import hint_for
 
 # Groups beside `print`; what a preset of a kind holds goes by them (`presets.KINDS`).
 _printer = partial(setting, group="printer")
@@ -302,7 +303,5 @@ class PrintSettings:
         known = {declared.name: declared for declared in fields(self)}
         for name in values:
             if name not in known:
-                raise SettingsError(
-                    f"there is no setting named {' '.join(name.split()):.60}", "docs/settings.md lists them all"
-                )
+                raise SettingsError(f"there is no setting named {' '.join(name.split()):.60}", hint_for(name, known))
         return replace(self, **{name: checked(known[name], value) for name, value in values.items()})

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from bpy_extras.io_utils import ImportHelper, poll_file_object_drop
 
-from ..bridge.image_input import image_tone, load_image
+from ..bridge.image_input import picture_tone
 from ..bridge.picture_objects import add_picture_object
 from ..core.errors import PrintError
 from ..core.pictures.shapes import PictureShape, fitted, picture_plate, picture_tube
@@ -76,12 +76,10 @@ class _AddPicture(ImportHelper):
         path = Path(bpy.path.abspath(self.filepath))
         settings = PrintSettings(texture_filter="lanczos", brim_width=self.brim_width)
         try:
-            image = load_image(path)
-            try:
-                shape = self.shape(settings, image.size[0] / image.size[1])
-                picture = fitted(image_tone(image), shape, auto_contrast=self.auto_contrast, frame_tone=self.frame_tone)
-            finally:
-                bpy.data.images.remove(image)
+            image = picture_tone(path)
+            high, wide = image.tone.shape
+            shape = self.shape(settings, wide / high)
+            picture = fitted(image, shape, auto_contrast=self.auto_contrast, frame_tone=self.frame_tone)
             obj = add_picture_object(picture, shape, f"{path.stem} {self.label}", settings)
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))

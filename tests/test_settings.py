@@ -6,6 +6,7 @@ from dataclasses import fields
 
 import pytest
 from dualcolor.core.errors import SettingsError
+from dualcolor.core.setting_names import _ELSEWHERE
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.conftest import ROOT
 from hypothesis import given
@@ -79,3 +80,28 @@ def test_reference_page_is_up_to_date():
     tool = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(tool)
     assert (ROOT / "docs" / "settings.md").read_text(encoding="utf-8") == tool.reference()
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("layerheight", "layer_height"),
+        ("fill_density", "infill_density"),
+        ("z-hop", "z_hop"),
+        ("nozzle_diameter", "extrusion_width"),
+        ("wall_line_count", "perimeters"),
+        ("Support Material", "support_enable"),
+    ],
+)
+def test_a_name_that_is_nearly_right_or_of_another_slicer_is_understood(name, meant):
+    with pytest.raises(SettingsError, match="there is no setting named") as caught:
+        PrintSettings().changed({name: 1})
+    assert caught.value.hint.startswith(f"did you mean {meant}")
+
+
+def test_names_of_other_slicers_stand_for_settings_that_there_are():
+    ours = set(PrintSettings().as_dict())
+    assert set(_ELSEWHERE.values()) <= ours and not ours & set(_ELSEWHERE)
+    with pytest.raises(SettingsError) as caught:
+        PrintSettings().changed({"qqqq": 1})
+    assert caught.value.hint == "docs/settings.md lists them all"
