@@ -66,7 +66,7 @@ def test_numbers_are_written_as_python_writes_them():
     steps = np.concatenate([edges, rng.integers(-(10**10) + 1, 10**10, 20_000), rng.integers(-(10**8), 10**8, 20_000)])
     assert texts(filament_words(steps)) == [f"{n / 1e5:.5f}" for n in steps.tolist()]
     feedrates = np.concatenate([np.arange(1, 2000), rng.integers(1, 100_000, 1000)]).astype(np.int32)
-    assert texts(feedrate_words(feedrates)) == [f" F{n}" for n in feedrates.tolist()]
+    assert texts(feedrate_words(feedrates)) == [f" F{n}\n" for n in feedrates.tolist()]
 
 
 def test_tables_hold_the_numbers_as_python_writes_them():
@@ -77,7 +77,7 @@ def test_tables_hold_the_numbers_as_python_writes_them():
             f"{n / 1000:.3f}" for n in there.tolist()
         ]
     assert texts([five_decimals().view(np.uint32).reshape(-1, 2)]) == [f"{n:05d}" for n in range(100_000)]
-    assert texts([feedrate_texts(12_345).view(np.uint32).reshape(-1, 2)])[1:] == [f" F{n}" for n in range(1, 12_346)]
+    assert texts([feedrate_texts(12_345).view(np.uint32).reshape(-1, 2)])[1:] == [f" F{n}\n" for n in range(1, 12_346)]
     for letters, most in (([" A", " B"], 99_999), ([" A-", " B-"], 9_999), ([" E", " E-"], 0)):
         for letter, row in zip(letters, whole_texts(letters, most), strict=True):
             assert texts([row.view(np.uint32).reshape(-1, 2)]) == [f"{letter}{n}." for n in range(most + 1)]

@@ -45,7 +45,7 @@ _SIGNED_OR_EMPTY = words([sign + (str(n) if n else "") for sign in ("", "-") for
 _FRACTION = words([f".{n:03d}" for n in range(1000)])
 _UNITS = words([f"{n}." for n in range(1000)] + [f"{n:03d}." for n in range(1000)])  # at 1000 × padded + n
 _FEEDRATE = words([f" F{n}" if n else " F" for n in range(100)])
-_REST = words([str(n) for n in range(1000)] + [f"{n:03d}" for n in range(1000)])  # at 1000 × padded + n
+_REST = words([f"{n}\n" for n in range(1000)] + [f"{n:03d}\n" for n in range(1000)])  # at 1000 × padded + n
 _LAST = words([str(n) for n in range(10)])
 _THOUSAND, _TEN = np.uint32(1000), np.uint32(10)
 
@@ -70,7 +70,7 @@ def filament_words(steps: IntArray) -> tuple[WordArray, WordArray, WordArray, Wo
 
 
 def feedrate_words(feedrate: NDArray[np.int32]) -> tuple[WordArray, WordArray]:
-    """The text of whole numbers from 1 to 99999 after a blank and an F, two words each.
+    """The text of whole numbers from 1 to 99999 after a blank and an F and before the line's end, two words each.
 
     Args:
         feedrate: (N,) int32, less than `FEEDRATE_LIMIT`.

@@ -19,14 +19,10 @@ _CHUNK_ROWS = 1 << 13  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900
 _STEPS_A_MM = 100_000  # of filament
 _G1, _Z = word("G1"), word(" Z")
-_MARK = b"\1"  # after a line that something else follows
-_NEWLINE_AND_MARK = word("\n\1")
 # Letters with a blank, and the numbers after them; the letter of `whole` stands in its table.
-_NAMES = "G1", "x", "Y", "y", "Z", "z", "whole", "fraction", "feedrate", "end"
-_LINE = np.dtype([(name, "u4" if name in ("G1", "Y", "Z", "end") else "u8") for name in _NAMES])
-_USUAL_LINE = np.zeros(1, dtype=_LINE)
-for _name, _text in (("G1", "G1 X"), ("Y", " Y"), ("end", "\n")):
-    _USUAL_LINE[_name] = word(_text)
+_NAMES = "G1", "x", "Y", "y", "Z", "z", "whole", "fraction", "end"
+_LINE = np.dtype([(name, "u4" if name in ("G1", "Y", "Z") else "u8") for name in _NAMES])
+_USUAL_LINE = bytearray(np.array([(word("G1 X"), 0, word(" Y"), 0, 0, 0, 0, 0, word("\n"))], dtype=_LINE).tobytes())
 
 
 @dataclass(frozen=True)
@@ -37,7 +33,7 @@ class _Tables:
         coordinate: in steps of a thousandth.
         zero: place of 0 among them.
         whole: (4, W) mm of filament from 0 on behind the letters of both tools, then the same below 0.
-        feedrate: mm/min from 0 on.
+        feedrate: mm/min from 0 on, behind their letter, with the line's end.
     """
 
     coordinate: TextArray
@@ -90,13 +86,12 @@ def _body(lines: Lines, axes: Sequence[str], places: IntArray, texts: list[bytes
     distinct, first = np.unique(places, return_index=True)
     begin_end = pairwise([*first.tolist(), len(texts)])
     inserted = [b"".join(texts[begin:end]) for begin, end in begin_end]
-    marked = distinct[distinct > 0] - 1
     tables = _tables(lines, axes)
     chunks = [slice(row, min(row + _CHUNK_ROWS, count)) for row in range(0, count, _CHUNK_ROWS)]
     waiting = iter(inserted)
     pieces = [next(waiting)] if len(distinct) and distinct[0] == 0 else []
     for rows in chunks:  # threads would only wait for each other: half of it is done by Python's own bytes
-        first_piece, *others = _rendered(lines, tables, marked, rows)
+        first_piece, *others = _rendered(lines, tables, distinct, rows)
         pieces.append(first_piece)
         for piece in others:
             pieces += [next(waiting), piece]
@@ -112,13 +107,12 @@ def _tables(lines: Lines, axes: Sequence[str]) -> _Tables:
     )
 
 
-def _rendered(lines: Lines, tables: _Tables, marked: IntArray, rows: slice) -> list[bytes]:
-    """Some lines as text, cut behind the `marked` ones: a row of words each, zero bytes deleted.
+def _rendered(lines: Lines, tables: _Tables, cuts: IntArray, rows: slice) -> list[bytes]:
+    """Some lines as text, cut before those that `cuts` (C,), ascending, names: a row of words each, zeros deleted.
 
     What most lines name is written into all of them and taken out of the others.
     """
-    text = np.empty(rows.stop - rows.start, dtype=_LINE)
-    text.view(np.uint64).reshape(len(text), -1)[:] = _USUAL_LINE.view(np.uint64)
+    text = np.frombuffer(_USUAL_LINE * (rows.stop - rows.start), dtype=_LINE)
     thousandths, written, feeds = lines.thousandths[rows], lines.written[rows], lines.feeds[rows]
     for axis, name in enumerate(("x", "y")):
         text[name] = tables.coordinate.take(thousandths[:, axis] + tables.zero)
@@ -131,10 +125,11 @@ def _rendered(lines: Lines, tables: _Tables, marked: IntArray, rows: slice) -> l
     row = np.flatnonzero(written[:, 2])
     text["Z"][row], text["z"][row] = _Z, tables.coordinate.take(thousandths[row, 2] + tables.zero)
     row = np.flatnonzero(lines.hastens[rows])
-    text["feedrate"][row] = tables.feedrate.take(lines.feedrate[rows][row])
-    first, last = np.searchsorted(marked, (rows.start, rows.stop))
-    text["end"][marked[first:last] - rows.start] = _NEWLINE_AND_MARK
-    return text.tobytes().translate(None, b"\0").split(_MARK)
+    text["end"][row] = tables.feedrate.take(lines.feedrate[rows][row])
+    first, last = np.searchsorted(cuts, (rows.start, rows.stop), side="right")
+    places = _LINE.itemsize * (cuts[first:last] - rows.start)
+    whole = text.tobytes()
+    return [whole[begin:end].translate(None, b"\0") for begin, end in pairwise([0, *places.tolist(), len(whole)])]
 
 
 def _filament(steps: IntArray, tool: IntArray, tables: _Tables) -> tuple[TextArray, TextArray]:

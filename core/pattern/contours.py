@@ -7,12 +7,13 @@ and moved inwards by half a line width so that the strand's outer edge is the mo
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines
 from ..slicing.planes import line_widths

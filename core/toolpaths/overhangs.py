@@ -6,7 +6,7 @@ flat enough, in which layers and cells of a grid they lie, and which lines pass 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..fill.parallel import Shapes
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges
 from .moves import Feature
