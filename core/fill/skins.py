@@ -9,11 +9,13 @@ from ..model import BoolArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
+from .overlay import parted
 from .parallel import Shapes
 from .walls import offset
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
 _AREA_ERROR_MM2 = 0.01  # of an overlay that went right
+_MANY = 24  # regions that are overlaid at once in less time than one by one
 _SMALLEST_SPARSE_MM2 = 10.0  # a sparse remnant below this holds a line or two at best
 
 
@@ -112,7 +114,7 @@ def uncovered(
         shapely.prepare(near)  # a prepared shape must not be shared between threads
         for cutters in near[other - low]:
             cut = np.flatnonzero(~shapely.contains_properly(cutters, left) & ~shapely.is_empty(left))
-            left[cut], piece = _parted(left[cut], cutters[cut])
+            left[cut], piece = (_parted if len(cut) >= _MANY else _overlaid)(left[cut], cutters[cut])
             pieces.append(piece)
             owner.append(rows[cut])
     parts, piece_of = shapely.get_parts(np.concatenate(pieces), return_index=True)
@@ -121,22 +123,35 @@ def uncovered(
 
 
 def _parted(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes]:
-    """What of regions lies within others and what beyond, (N,) all.
+    """What of regions lies within others and what beyond, (N,) all; by GEOS where they touch."""
+    within, beyond, sound = parted(whole, cutters)
+    rest = np.flatnonzero(~sound | _wrong(whole, within, beyond))
+    within[rest], beyond[rest] = _overlaid(whole[rest], cutters[rest])
+    return within, beyond
+
+
+def _overlaid(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes]:
+    """The same by GEOS.
 
     Where boundaries run along each other within rounding errors, GEOS is now and then wrong by a large piece without
     a word; the areas tell, and then it works on a grid of 0.1 µm, which is safe but takes twice the time.
     """
     within, beyond = shapely.intersection(cutters, whole), shapely.difference(whole, cutters)
-    wrong = np.abs(shapely.area(whole) - shapely.area(within) - shapely.area(beyond)) > _AREA_ERROR_MM2
+    wrong = _wrong(whole, within, beyond)
     within[wrong] = shapely.intersection(cutters[wrong], whole[wrong], grid_size=_GRID_MM)
     beyond[wrong] = shapely.difference(whole[wrong], cutters[wrong], grid_size=_GRID_MM)
     return _polygonal(within), _polygonal(beyond)
 
 
+def _wrong(whole: Shapes, *parts: Shapes) -> BoolArray:
+    """(N,) bool, where the areas of parts do not add up."""
+    return np.asarray(np.abs(shapely.area(whole) - sum(map(shapely.area, parts))) > _AREA_ERROR_MM2)
+
+
 def remainder(whole: Shapes, parts: Shapes) -> Shapes:
-    """Regions less parts of them, (N,) both; checked as in `_parted`."""
+    """Regions less parts of them, (N,) both; checked as in `_overlaid`."""
     rest: Shapes = shapely.difference(whole, parts)
-    wrong = np.abs(shapely.area(whole) - shapely.area(parts) - shapely.area(rest)) > _AREA_ERROR_MM2
+    wrong = _wrong(whole, parts, rest)
     rest[wrong] = shapely.difference(whole[wrong], parts[wrong], grid_size=_GRID_MM)
     return _polygonal(rest)
 
