@@ -191,7 +191,7 @@ def _without_waves(
     swapped: BoolArray | None,
 ) -> WavedOutlines:
     """As `waved` where no contour carries a wave: their own points, set back."""
-    moved = np.stack([lines.points[:, axis] - lines.normal[:, axis] * set_back for axis in (0, 1)])
+    moved = np.ascontiguousarray(lines.points.T - lines.normal.T * set_back)
     first = lines.start[:-1]
     keep = chord_ends(moved, first, np.diff(lines.start), first, settings.chord_tolerance)
     if swapped is not None:

@@ -100,10 +100,30 @@ def _inside(
         return inside
     inside[polygon[shells]] = _rings(after, start, shells, tolerance)
     parts, hole = shapely.get_parts(_rings(after, start, holes, tolerance), return_index=True)
-    pierced = gathered(parts, polygon[holes][hole], polygons)
-    rows = np.flatnonzero(~shapely.is_empty(pierced))
-    inside[rows] = shapely.difference(inside[rows], shapely.buffer(pierced[rows], 0))
+    of_part = polygon[holes][hole]
+    order = np.argsort(of_part, kind="stable")
+    pierced, group = np.unique(of_part[order], return_inverse=True)
+    if len(pierced):
+        inside[pierced] = _pierced(inside[pierced], parts[order], group)
     return inside
+
+
+def _pierced(shells: Shapes, holes: Shapes, group: IntArray) -> Shapes:
+    """(P,) Polygons or MultiPolygons without the holes (H,) that `group` (H,), ascending, says to lie in each."""
+    rings = np.concatenate([shapely.get_exterior_ring(shells), shapely.get_exterior_ring(holes)])
+    owner = np.concatenate([np.arange(len(shells)), group])
+    # Most holes lie clear of all else: that is told faster than they are cut out.
+    whole = shapely.get_type_id(shells) == shapely.GeometryType.POLYGON
+    whole &= ~shapely.is_empty(shells)
+    order = np.argsort(owner, kind="stable")
+    order = order[whole[owner[order]]]
+    found, number = shells.copy(), np.cumsum(whole) - 1
+    found[whole] = shapely.polygons(rings[order], indices=number[owner[order]])
+    rest = np.flatnonzero(~(whole & shapely.is_valid(found)))
+    if len(rest):
+        gathered = shapely.buffer(shapely.multipolygons(holes, indices=group), 0)
+        found[rest] = shapely.difference(shells[rest], gathered[rest])
+    return found
 
 
 def _rings(points: FloatArray, start: IntArray, loops: IntArray, tolerance: float) -> Shapes:
