@@ -290,6 +290,16 @@ class PrintSettings:
         """
         return printer_profile(self.printer)
 
+    @property
+    def is_solid(self) -> bool:
+        """Whether the inside is filled throughout."""
+        return self.infill_density >= 100.0
+
+    @property
+    def is_hollow(self) -> bool:
+        """Whether nothing is printed inside but walls and skins."""
+        return self.infill_density <= 0.0
+
     def as_dict(self) -> dict[str, Any]:
         """All settings by name, JSON-ready."""
         return {declared.name: getattr(self, declared.name) for declared in fields(self)}

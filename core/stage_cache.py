@@ -2,7 +2,8 @@
 
 What a stage reads is not declared but watched: its settings are handed over as a copy that notes which of them are
 asked for. A stage that is given the same arrays and the same values of those settings goes the same way and gives the
-same result, so nothing can be forgotten when a stage learns to read another setting.
+same result, so nothing can be forgotten when a stage learns to read another setting. Of a property, such as `is_solid`,
+its own value is noted and not the settings that it is made from, so a stage that asks no more is not in their way.
 """
 
 from __future__ import annotations
@@ -22,8 +23,9 @@ from .settings import PrintSettings
 Result = TypeVar("Result")
 Column = NDArray[Any]
 Columns = tuple[Column, ...]
-_NAMES = frozenset(declared.name for declared in fields(PrintSettings))
-_NOTES = "_notes"
+_PROPERTIES = [name for name, member in vars(PrintSettings).items() if isinstance(member, property)]
+_READABLE = frozenset([*(declared.name for declared in fields(PrintSettings)), *_PROPERTIES])
+_NOTES, _ORIGINAL = "_notes", "_original"
 MOST_BYTES = 1 << 30
 _BYTES_A_GEOMETRY = 200
 _BLOCK_WORDS = 1 << 15
@@ -133,21 +135,21 @@ class NoCache(StageCache):
 
 
 class _Watched(PrintSettings):
-    """Settings that note under `_NOTES` which of them are read."""
+    """Settings that note under `_NOTES` which of them, and which of their properties, are read."""
 
     def __getattribute__(self, name: str) -> Any:
-        value = object.__getattribute__(self, name)
-        if name in _NAMES:
-            notes = object.__getattribute__(self, "__dict__").get(_NOTES)
-            if notes is not None:  # a changed copy has none; making it has read all of the others
-                notes[name] = value
+        held = object.__getattribute__(self, "__dict__")
+        if name not in _READABLE or _ORIGINAL not in held:  # a changed copy has none; making it has read all others
+            return object.__getattribute__(self, name)
+        value = getattr(held[_ORIGINAL], name)
+        held[_NOTES][name] = value
         return value
 
 
 def _watched(settings: PrintSettings, notes: dict[str, Any]) -> PrintSettings:
     copy = object.__new__(_Watched)
     vars(copy).update(vars(settings))
-    vars(copy)[_NOTES] = notes
+    vars(copy).update({_NOTES: notes, _ORIGINAL: settings})
     return copy
 
 

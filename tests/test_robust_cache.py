@@ -31,6 +31,7 @@ def of(result):
 
 CHANGES = [
     {}, {"wave_depth_max": 0.6}, {"wavelength": 1.5}, {"background_tone": 0.2}, {"infill_density": 25.0},
+    {"infill_density": 0.0}, {"infill_density": 100.0}, {"infill_density": 40.0},
     {"layer_height": 0.2}, {"support_enable": True}, {"wave_speed": 25.0}, {"pattern": "wave"},
     {"sampling": "paper"}, {"extrusion_width": 0.5}, {"perimeters": 3}, {"calibration": "upright"},
     {"texture_filter": "lanczos"}, {}, {"front": True},
@@ -69,9 +70,11 @@ def counted(cache, monkeypatch):
         ({"offset_onset": 0.2}, {"slicing", "contours", "texture", "tone"}, {"modulation", "fill"}),
         (
             {"infill_density": 33.0},
-            {"slicing", "contours", "sampling", "tone", "wave", "inside"},
+            {"slicing", "contours", "sampling", "tone", "wave", "inside", "closing", "areas"},
             {"fill", "toolpaths"},
         ),
+        ({"infill_density": 0.0}, {"slicing", "contours", "inside"}, {"closing", "areas", "fill"}),
+        ({"infill_density": 100.0}, {"slicing", "contours", "inside"}, {"closing", "fill"}),
         ({"wavelength": 1.6}, {"slicing", "texture"}, {"contours", "sampling", "tone"}),
         ({"layer_height": 0.3}, set(), {"slicing", "contours", "fill", "texture"}),
     ],

@@ -45,12 +45,12 @@ def bridges(inside: Shapes, found: Skins, outlines: Shapes, island_layer: IntArr
         found: the skins in it.
         outlines: (L,) cross-section of each layer, simplified by a twentieth of a millimetre or less.
         island_layer: (I,) layer of each island.
-        settings: `infill_density` and `extrusion_width` are used.
+        settings: `is_hollow` and `extrusion_width` are used.
 
     Returns:
         Bridges whose regions reach beyond what is filled, see `bridged`.
     """
-    below = outlines if settings.infill_density > 0.0 else _walls_only(inside, found, outlines, island_layer)
+    below = _walls_only(inside, found, outlines, island_layer) if settings.is_hollow else outlines
     parts, island = _over_air(inside, found, below, island_layer, settings.extrusion_width)
     if not len(parts):
         return Bridges(parts, island, np.zeros(0))

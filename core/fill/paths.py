@@ -127,10 +127,10 @@ def _hatched(
     lines = [hatch_paths(planned(solid, sparse, island_layer, settings), island_layer)]
     if len(spanned.island):
         lines.append(hatch_paths(bridging(spanned, island_layer, settings), island_layer))
-    if settings.infill_density > 0.0 and settings.infill_pattern == "gyroid":
+    if not settings.is_hollow and settings.infill_pattern == "gyroid":
         height = middle_heights(island_layer, settings)
         lines.append(gyroid_paths(sparse, island_layer, height, width, settings))
-    if settings.infill_density > 0.0 and settings.infill_pattern == "concentric":
+    if not settings.is_hollow and settings.infill_pattern == "concentric":
         loops, island = nested(sparse, settings.extrusion_width * 100.0 / settings.infill_density)
         lines.append(boundary_paths(loops, island, island_layer, width, Feature.INFILL))
     return lines
@@ -151,7 +151,7 @@ def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: Pri
     angle, width = settings.infill_angle, line_widths(island_layer, settings)
     alternating = np.where(island_layer % 2 == 0, angle, -angle)
     rows = [(solid, Feature.SKIN, alternating, width)]
-    turns = _STRAIGHT_PATTERNS.get(settings.infill_pattern, ()) if settings.infill_density > 0.0 else ()
+    turns = () if settings.is_hollow else _STRAIGHT_PATTERNS.get(settings.infill_pattern, ())
     for turn in turns:
         direction = alternating if len(turns) == 1 else np.full(len(island_layer), angle + turn)
         rows.append((sparse, Feature.INFILL, direction, len(turns) * width * 100.0 / settings.infill_density))

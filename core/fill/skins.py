@@ -41,10 +41,10 @@ def skins(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: Pr
         inside: (I,) the region to fill of each island, or somewhat more.
         island_layer: (I,) layer of each island.
         outlines: (L,) whole cross-section of each layer.
-        settings: the numbers of solid layers, `infill_density` and `extrusion_width` are read.
+        settings: the numbers of solid layers, `is_solid` and `extrusion_width` are read.
     """
     regions = np.full(len(inside), shapely.Polygon(), dtype=object)
-    if settings.infill_density >= 100.0:
+    if settings.is_solid:
         return Skins(regions, np.ones(len(inside), dtype=bool))
     steps = [*range(-settings.bottom_solid_layers, 0), *range(settings.top_solid_layers, 0, -1)]
     width_mm = settings.extrusion_width
@@ -68,12 +68,12 @@ def solid_and_sparse(fill: Shapes, found: Skins, settings: PrintSettings) -> tup
     Args:
         fill: (I,) region to fill of each island.
         found: where these are to be solid.
-        settings: `infill_density` is read.
+        settings: `is_hollow` is read.
 
     Returns:
         (I,) solid and (I,) sparse regions; they do not overlap, and together they are `fill`.
     """
-    remnant_mm2 = _SMALLEST_SPARSE_MM2 if settings.infill_density > 0.0 else 0.0
+    remnant_mm2 = 0.0 if settings.is_hollow else _SMALLEST_SPARSE_MM2
     solid, sparse = fill.copy(), np.full(len(fill), shapely.Polygon(), dtype=object)
     open_inside = ~found.whole & (shapely.area(fill) >= remnant_mm2)
     plain = open_inside & shapely.is_empty(found.regions)
