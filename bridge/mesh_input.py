@@ -72,6 +72,7 @@ def surface_model(
         polygon_support=support,
         corner_visibility=None if weights is None else weights[corners.vertex][order],
         polygon_visibility=np.full(len(polygon_texture), len(textures), dtype=np.int64) if shown else None,
+        notes=_notes(obj, depsgraph),
     )
 
 
@@ -95,6 +96,13 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
         yield mesh
     finally:
         evaluated.to_mesh_clear()
+
+
+def _notes(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[str, ...]:
+    """What is seen of an object and is not part of its mesh."""
+    if obj.evaluated_get(depsgraph).evaluated_geometry().instances_pointcloud() is None:
+        return ()
+    return (f"instances on {obj.name} are not printed: use Geometry Nodes' Realize Instances",)
 
 
 @dataclass(frozen=True)

@@ -55,6 +55,7 @@ def findings(
     report |= {"pattern": errors.shares(len(wall.samples.arc), at_arcs(wall.visibility, wall.lines, errors.arc))}
     report |= {"slopes": slopes, "thin_features": thin}
     report["warnings"] = [
+        *model.notes,
         *plate_warnings(model, mesh, cut.overlaps, settings),
         *_warnings(cut, wall.lines, wall.samples, settings),
         *size_warnings(mesh, model.name, settings),

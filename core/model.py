@@ -82,6 +82,7 @@ class SurfaceModel:
         volumes: solids that enforce or block supports.
         corner_visibility: (C,) 0 to 1, how much seams are seen there, or None where nothing says so.
         polygon_visibility: (P,) int64 index into `textures`, -1 for none, of pictures that say it; or None.
+        notes: warnings from when it was read, one sentence each.
     """
 
     vertices: FloatArray
@@ -98,6 +99,7 @@ class SurfaceModel:
     volumes: tuple[SupportVolume, ...] = ()
     corner_visibility: FloatArray | None = None
     polygon_visibility: IntArray | None = None
+    notes: tuple[str, ...] = ()
 
     def moved(self, shift: FloatArray) -> SurfaceModel:
         """A copy moved by (3,) mm."""

@@ -72,6 +72,7 @@ def _joined(models: Sequence[SurfaceModel]) -> SurfaceModel:
         volumes=tuple(volume for model in models for volume in model.volumes),
         corner_visibility=_column([model.corner_visibility for model in models], corner, (), 1.0),
         polygon_visibility=_polygon_column(models, visibility, -1),
+        notes=tuple(note for model in models for note in model.notes),
     )
 
 

@@ -14,7 +14,9 @@ def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> 
     """Whether an object that can be printed, or the strands of one, is active; sets the poll message."""
     obj = source_of(context.object)
     if obj is None or obj.type not in WITH_SURFACE:
-        cls.poll_message_set("Select a mesh object first")
+        instanced = obj is not None and obj.instance_type == "COLLECTION"
+        how = "Object > Apply > Make Instances Real" if instanced else "Select a mesh object"
+        cls.poll_message_set(f"{how} first")
         return False
     return True
 

@@ -37,6 +37,8 @@ class DUALCOLOR_PT_main(Tab, bpy.types.Panel):
         if obj is None or obj.type not in WITH_SURFACE:
             self.layout.label(text="Select a mesh object", icon="INFO")
             self.layout.label(text="or Add > Dual-Color", icon="BLANK1")
+            if obj is not None and obj.instance_type == "COLLECTION":
+                self.layout.label(text="or Object > Apply > Make Instances Real", icon="BLANK1")
             return
         more = len(objects_to_print(context)) - 1
         self.layout.label(text=f"{obj.name} and {more} more" if more > 0 else obj.name, icon="OBJECT_DATA")

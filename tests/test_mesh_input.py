@@ -3,8 +3,11 @@
 import bpy
 import numpy as np
 import pytest
+from dualcolor.bridge.plate import plate_model
 from dualcolor.core.errors import MeshError, TextureError
 from dualcolor.core.mesh import triangulate
+from dualcolor.core.pipeline import steps
+from dualcolor.core.progress import drained
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.scene import (
     add_box,
@@ -75,6 +78,30 @@ def test_modifiers_and_shape_keys_are_evaluated():
     model = model_of(box)
     assert len(model.polygon_start) == 3 * 6 + 1
     np.testing.assert_allclose(extent(model), [30, 10, 15], atol=1e-5)
+
+
+def test_instances_are_said_not_to_be_printed():
+    fresh()
+    box, other = add_box((10, 10, 10)), add_box((2, 2, 2), "other")
+    assert model_of(box).notes == ()
+    group = bpy.data.node_groups.new("cubes", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    given, result, on_points, cube, joined = (
+        group.nodes.new(kind)
+        for kind in ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeInstanceOnPoints", "GeometryNodeMeshCube",
+                     "GeometryNodeJoinGeometry")
+    )  # fmt: skip
+    ends = [(given, on_points.inputs["Points"]), (cube, on_points.inputs["Instance"]), (joined, result.inputs[0])]
+    for source, target in (*ends, (given, joined.inputs[0]), (on_points, joined.inputs[0])):
+        group.links.new(source.outputs[0], target)
+    box.modifiers.new("Cubes", "NODES").node_group = group
+    bpy.context.view_layer.update()
+    assert len(model_of(box).vertices) == 8
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    both = plate_model([box, other], depsgraph, PrintSettings(), [None, None])
+    assert both.notes == ("instances on box are not printed: use Geometry Nodes' Realize Instances",)
+    assert both.notes[0] in drained(steps(both, PrintSettings(arrange=True, infill_density=0))).report["warnings"]
 
 
 def test_edit_mode_is_read_as_it_looks():

@@ -68,3 +68,12 @@ def test_unwrapping_goes_back_to_the_mode_it_was_called_in(registered):
         bpy.ops.object.mode_set(mode=mode)
         assert bpy.ops.dualcolor.unwrap_smart() == {"FINISHED"}
         assert bpy.context.mode == mode
+
+
+def test_an_instanced_collection_is_to_be_made_real(registered):
+    empty = bpy.data.objects.new("instance", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", bpy.data.collections.new("parts")
+    bpy.context.scene.collection.objects.link(empty)
+    bpy.context.view_layer.objects.active = empty
+    with pytest.raises(RuntimeError, match="Make Instances Real first"):
+        bpy.ops.dualcolor.generate()
