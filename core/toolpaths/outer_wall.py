@@ -100,29 +100,24 @@ def _inside(
         return inside
     inside[polygon[shells]] = _rings(after, start, shells, tolerance)
     parts, hole = shapely.get_parts(_rings(after, start, holes, tolerance), return_index=True)
-    of_part = polygon[holes][hole]
-    order = np.argsort(of_part, kind="stable")
-    pierced, group = np.unique(of_part[order], return_inverse=True)
-    if len(pierced):
-        inside[pierced] = _pierced(inside[pierced], parts[order], group)
-    return inside
+    return _pierced(inside, parts, polygon[holes][hole])
 
 
-def _pierced(shells: Shapes, holes: Shapes, group: IntArray) -> Shapes:
-    """(P,) Polygons or MultiPolygons without the holes (H,) that `group` (H,), ascending, says to lie in each."""
-    rings = np.concatenate([shapely.get_exterior_ring(shells), shapely.get_exterior_ring(holes)])
-    owner = np.concatenate([np.arange(len(shells)), group])
-    # Most holes lie clear of all else: that is told faster than they are cut out.
-    whole = shapely.get_type_id(shells) == shapely.GeometryType.POLYGON
-    whole &= ~shapely.is_empty(shells)
-    order = np.argsort(owner, kind="stable")
-    order = order[whole[owner[order]]]
-    found, number = shells.copy(), np.cumsum(whole) - 1
-    found[whole] = shapely.polygons(rings[order], indices=number[owner[order]])
-    rest = np.flatnonzero(~(whole & shapely.is_valid(found)))
+def _pierced(regions: Shapes, holes: Shapes, owner: IntArray) -> Shapes:
+    """(I,) Polygons or MultiPolygons without the holes (H,) of their owners (H,)."""
+    single = (shapely.get_type_id(regions) == shapely.GeometryType.POLYGON) & ~shapely.is_empty(regions)
+    pierced = np.unique(owner)
+    # Most holes lie clear of all else, and are rings of their region: that is told faster than they are cut out.
+    shells, clear = pierced[single[pierced]], np.flatnonzero(single[owner])
+    rings = shapely.get_exterior_ring(np.concatenate([regions[shells], holes[clear]]))
+    of_ring = np.concatenate([shells, owner[clear]])
+    order = np.argsort(of_ring, kind="stable")
+    found = regions.copy()
+    found[shells] = shapely.polygons(rings[order], indices=np.searchsorted(shells, of_ring[order]))
+    rest = pierced[~(single[pierced] & shapely.is_valid(found[pierced]))]
     if len(rest):
-        gathered = shapely.buffer(shapely.multipolygons(holes, indices=group), 0)
-        found[rest] = shapely.difference(shells[rest], gathered[rest])
+        cut_out = shapely.buffer(gathered(holes, owner, len(regions))[rest], 0)
+        found[rest] = shapely.difference(regions[rest], cut_out)
     return found
 
 
