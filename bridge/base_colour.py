@@ -8,6 +8,7 @@ import bpy
 
 from ..core.records import dataclass
 
+Groups = tuple[bpy.types.Node, ...]
 COLOUR_INPUT = {"BSDF_PRINCIPLED": "Base Color", "BSDF_DIFFUSE": "Color", "EMISSION": "Color"}
 
 
@@ -31,8 +32,8 @@ class BaseColour:
 def base_colour(material: bpy.types.Material | None) -> BaseColour:
     """The source of a material's base colour.
 
-    Follows the output's surface back through mixes and reroutes to a Principled, Diffuse or Emission shader, and
-    from its colour input to the nearest image or colour attribute. An image beats a plain colour farther on.
+    Follows the output's surface back through mixes, reroutes and groups to a Principled, Diffuse or Emission shader,
+    and from its colour input to the nearest image or colour attribute. An image beats a plain colour farther on.
     """
     if material is None:
         return BaseColour()
@@ -42,24 +43,24 @@ def base_colour(material: bpy.types.Material | None) -> BaseColour:
     if output is None:
         return BaseColour(colour=tuple(material.diffuse_color))
     plain = BaseColour()
-    for node in _upstream(output.inputs["Surface"]):
+    for node, groups in _upstream(output.inputs["Surface"], ()):
         if node.type == "TEX_IMAGE" and node.image:
-            return _of_image_node(node)
+            return _of_image_node(node, groups)
         if node.type in COLOUR_INPUT:
-            found = _of_socket(node.inputs[COLOUR_INPUT[node.type]])
+            found = _of_socket(node.inputs[COLOUR_INPUT[node.type]], groups)
             if found.image or found.attribute:
                 return found
             plain = plain if plain.colour else found
     return plain
 
 
-def _of_socket(socket: bpy.types.NodeSocket) -> BaseColour:
+def _of_socket(socket: bpy.types.NodeSocket, groups: Groups) -> BaseColour:
     if not socket.is_linked:
         return BaseColour(colour=tuple(socket.default_value))
     plain = BaseColour()
-    for node in _upstream(socket):
+    for node, within in _upstream(socket, groups):
         if node.type == "TEX_IMAGE" and node.image:
-            return _of_image_node(node)
+            return _of_image_node(node, within)
         if node.type == "VERTEX_COLOR":
             plain = BaseColour(attribute=node.layer_name)
         elif node.type == "ATTRIBUTE":
@@ -69,22 +70,48 @@ def _of_socket(socket: bpy.types.NodeSocket) -> BaseColour:
     return plain
 
 
-def _of_image_node(node: bpy.types.ShaderNodeTexImage) -> BaseColour:
-    names = (source.uv_map for source in _upstream(node.inputs["Vector"]) if source.type == "UVMAP")
-    return BaseColour(image=node.image, uv_map=next(names, ""))
+def _of_image_node(node: bpy.types.ShaderNodeTexImage, groups: Groups) -> BaseColour:
+    sources = (source for source, _ in _upstream(node.inputs["Vector"], groups))
+    return BaseColour(image=node.image, uv_map=next((each.uv_map for each in sources if each.type == "UVMAP"), ""))
 
 
-def _upstream(socket: bpy.types.NodeSocket) -> Iterator[bpy.types.Node]:
-    """Nodes that feed a socket, nearest first, each once; a mix's factor and a picture's coordinates are left out."""
-    waiting = [link.from_node for link in socket.links]
-    seen: set[str] = set()
+def _upstream(socket: bpy.types.NodeSocket, groups: Groups) -> Iterator[tuple[bpy.types.Node, Groups]]:
+    """Nodes that feed a socket, nearest first, each once, with the groups that they are in.
+
+    A mix's factor and a picture's coordinates are left out.
+
+    Args:
+        socket: an input.
+        groups: the group nodes that the socket is in, the outermost first.
+    """
+    waiting = _feeding(socket, groups)
+    seen: set[tuple[str, ...]] = set()
     while waiting:
-        node = waiting.pop(0)
-        if node.name in seen:
+        node, outlet, groups = waiting.pop(0)
+        way = outlet.identifier if node.type in ("GROUP", "GROUP_INPUT") else ""
+        place = (*(group.name for group in groups), node.name, way)
+        if place in seen:
             continue
-        seen.add(node.name)
-        yield node
-        if node.type == "TEX_IMAGE" or node.type in COLOUR_INPUT:
-            continue
-        followed = [each for each in node.inputs if each.enabled and not each.name.startswith("Fac")]
-        waiting.extend(link.from_node for each in followed for link in each.links)
+        seen.add(place)
+        if node.type == "GROUP" and node.node_tree:
+            ends = [each for each in node.node_tree.nodes if each.type == "GROUP_OUTPUT" and each.is_active_output]
+            waiting[:0] = [each for end in ends for each in _feeding(_same(end.inputs, outlet), (*groups, node))]
+        elif node.type == "GROUP_INPUT":
+            waiting[:0] = _feeding(_same(groups[-1].inputs, outlet), groups[:-1]) if groups else []
+        else:
+            yield node, groups
+            if node.type != "TEX_IMAGE" and node.type not in COLOUR_INPUT:
+                followed = [each for each in node.inputs if each.enabled and not each.name.startswith("Fac")]
+                waiting.extend(source for each in followed for source in _feeding(each, groups))
+
+
+def _feeding(
+    socket: bpy.types.NodeSocket | None, groups: Groups
+) -> list[tuple[bpy.types.Node, bpy.types.NodeSocket, Groups]]:
+    """The nodes that a socket is linked to, the outputs that feed it, and the groups that all are in."""
+    return [(link.from_node, link.from_socket, groups) for link in socket.links] if socket else []
+
+
+def _same(sockets: bpy.types.NodeInputs, outlet: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
+    """The socket on the other side of a group's border."""
+    return next((each for each in sockets if each.identifier == outlet.identifier), None)

@@ -176,6 +176,44 @@ def test_image_is_found_behind_mix_shaders_and_colour_nodes():
     assert model_of(box).textures[0].tone.min() == 1  # the picture, not the mask
 
 
+@pytest.mark.parametrize("pictured", ["inside", "outside"])
+@pytest.mark.parametrize("grouped", ["colour", "shader"])
+def test_image_is_found_inside_groups_and_through_them(pictured, grouped):
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    add_uvs(box, np.full(2, 0.25), "asked for")
+    _, tree = add_material(box, colour=(1, 0, 0, 1))
+    group = bpy.data.node_groups.new("group", "ShaderNodeTree")
+    group.interface.new_socket("Unused", in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Paint", in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Unused", in_out="OUTPUT", socket_type="NodeSocketShader")
+    kind = "NodeSocketShader" if grouped == "shader" else "NodeSocketColor"
+    group.interface.new_socket("Out", in_out="OUTPUT", socket_type=kind)
+    given, result = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    around = tree.nodes.new("ShaderNodeGroup")
+    around.node_tree = group
+
+    home = group if pictured == "inside" else tree
+    picture, coordinates = home.nodes.new("ShaderNodeTexImage"), home.nodes.new("ShaderNodeUVMap")
+    picture.image, coordinates.uv_map = flat_image((0.5, 0.5, 0.5, 1)), "asked for"
+    home.links.new(coordinates.outputs[0], picture.inputs["Vector"])
+    if pictured == "outside":
+        tree.links.new(picture.outputs[0], around.inputs["Paint"])
+    source = picture.outputs[0] if pictured == "inside" else given.outputs["Paint"]
+    if grouped == "shader":
+        shader = group.nodes.new("ShaderNodeBsdfDiffuse")
+        group.links.new(source, shader.inputs["Color"])
+        source, target = shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"]
+    else:
+        target = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED").inputs["Base Color"]
+    group.links.new(source, result.inputs["Out"])
+    tree.links.new(around.outputs["Out"], target)
+    model = model_of(box)
+    np.testing.assert_allclose(model.textures[0].tone, GREY_LINEAR, atol=2e-3)
+    assert (model.corner_uv == 0.25).all()
+
+
 def test_each_material_has_its_own_picture_or_colour():
     fresh()
     box = add_box()
