@@ -18,9 +18,11 @@ from dualcolor.core.analysis.picture import Stroke, dots, draw
 from dualcolor.core.analysis.slopes import face_contrast, slope_report, slope_warnings
 from dualcolor.core.analysis.study import NO_SEAMS, analyse, faded_share
 from dualcolor.core.analysis.surface_points import points_on_faces
+from dualcolor.core.analysis.tracelines import tracelines
 from dualcolor.core.errors import PrintError
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.pattern.quality import SeamErrors
+from dualcolor.core.pattern.sampling import Projector, Samples
 from dualcolor.core.pattern.wave import places
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.texture.pyramid import build_pyramids
@@ -102,6 +104,18 @@ def test_tracelines_hold_each_sample_once_and_climb_layer_by_layer(funnel):
     inside = np.ones(len(layer) - 1, dtype=bool)
     inside[traced.start[1:-1] - 1] = False
     assert (np.diff(layer)[inside] == 1).all()
+
+
+def test_lines_go_on_over_less_than_half_a_wavelength(tube):
+    """One sample a layer, all above each other but for one step to the side."""
+    lines, half = tube.lines, len(tube.layers) // 2
+    for step, count in ((0.4, 1), (0.7, 2)):
+        along = 20 + step * WAVE.wavelength * (np.arange(len(tube.layers)) >= half)
+        samples = Samples.on(lines, lines.arc_start[:-1] + along)
+        projector = Projector(lines, WAVE.projection_threshold)
+        found = tracelines(lines, samples, projector, WAVE.wavelength)
+        assert len(found.start) - 1 == count
+        assert found.birth.sum() == found.death.sum() == count - 1
 
 
 def test_what_begins_on_nothing_is_no_birth():

@@ -1,6 +1,7 @@
 """How large an object is on the bed, what does not fit, and Scale to Height."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.bed import bed_origin_mm, bounds_mm, reach_lines, volume_lines, what_does_not_fit  # noqa: E402
 from dualcolor.core.printer import printer_profile  # noqa: E402
+from dualcolor.operators.size import DUALCOLOR_OT_scale_to_height  # noqa: E402
 from scene import add_box  # noqa: E402
 
 PRINTER = printer_profile("replicator_2x")
@@ -57,6 +59,15 @@ def test_lines_are_the_printers():
     lengths = np.linalg.norm(box[1::2] - box[::2], axis=1)
     assert sorted(lengths.tolist()) == [146] * 4 + [150] * 4 + [210] * 4
     assert [reach_lines(PRINTER, tool)[:, 0].max() for tool in (0, 1)] == [123, 117]
+
+
+@pytest.mark.parametrize(("height", "proposed"), [(80, 80), (150, 150), (200, 60), (3, 60)])
+def test_scale_to_height_proposes_a_usual_height_for_what_has_none(height, proposed):
+    asked = SimpleNamespace(invoke_props_dialog=lambda _: {"RUNNING_MODAL"})
+    context = SimpleNamespace(object=add_box((10, 10, height)), scene=bpy.context.scene, window_manager=asked)
+    operator = SimpleNamespace()
+    assert DUALCOLOR_OT_scale_to_height.invoke(operator, context, None) == {"RUNNING_MODAL"}
+    assert operator.height == pytest.approx(proposed) and not operator.scene_in_mm
 
 
 def test_scale_to_height_in_metres_and_in_mm():

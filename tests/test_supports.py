@@ -126,8 +126,16 @@ def test_a_tall_column_is_thicker(height, thickness):
     under = box((3, -2, height - 1), (7, 2, height + 1))
     wish = SupportVolume(SupportMark.ENFORCER, under.vertices, under.polygon_start, under.corner_vertex)
     _, made = held(replace(model, volumes=(wish,)), SETTINGS.changed({"support_auto": False}))
-    column = made.covered[round(height * 0.4 / SETTINGS.layer_height)].buffer(-WIDTH / 2)
+    layer = round(height * 0.4 / SETTINGS.layer_height)
+    column = made.covered[layer].buffer(-WIDTH / 2)
     assert -0.2 < 4 * column.area / column.length - thickness < 0.8
+    # Lines in a narrow one would not stand without a loop around them.
+    assert made.paths.closed[made.paths.layer == layer].any() == (thickness < 2.5 * SETTINGS.support_spacing)
+
+
+def test_wide_supports_have_no_loop(table):
+    _, made = table
+    assert not made.paths.closed.any()
 
 
 SHELF = joined(box((-10, -6, 0), (10, 6, 4)), box((-10, -6, 4), (-6, 6, 12)), box((-10, -6, 12), (16, 6, 14)))
