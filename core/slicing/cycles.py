@@ -10,6 +10,7 @@ from .outlines import starts
 
 _MANY = 1 << 14
 _STRIDE = 8  # steps until those that have arrived are sorted out
+_APART = 16  # from ruler to ruler, as a rule
 _SCATTER = 0x9E3779B1  # odd, with bits all over, so that rulers do not follow the layers and faces
 
 
@@ -45,8 +46,7 @@ def cycles(successor: IntArray, layer: IntArray) -> tuple[IntArray, IntArray]:
         (M + 1,) where each of M cycles starts.
     """
     count = len(successor)
-    index = np.arange(count)
-    walks = _walks(successor, index if count < _MANY else np.flatnonzero(((index * _SCATTER) & 0xFFFFFFFF) < 1 << 28))
+    walks = _walks(successor, _rulers(count))
     first, before, size = _jumped(walks.following, walks.least, walks.length)
     chief = np.flatnonzero(first == np.arange(len(first)))
     chief = chief[np.lexsort((walks.least[chief], layer[walks.least[chief]]))]
@@ -58,12 +58,21 @@ def cycles(successor: IntArray, layer: IntArray) -> tuple[IntArray, IntArray]:
     order = np.empty(count + 1, dtype=np.int64)  # with a place for nobody
     for number, (walker, members) in enumerate(walks.strides):
         step = _STRIDE * number + 1 + np.arange(_STRIDE)[:, None]
-        own = place.take(walker)
-        at = np.where(step < late.take(walker), own + size.take(walker), own) + step
-        at[members >= count] = count
+        at = place.take(walker) + step
+        some = np.flatnonzero(late.take(walker))
+        at[:, some] += np.where(step < late[walker[some]], size[walker[some]], 0)
+        np.copyto(at, count, where=members >= count)
         order[at] = members
     order[place + np.where(late > 0, size, 0)] = walks.ruler
     return order[:count], start
+
+
+def _rulers(count: int) -> IntArray:
+    """Some members of a permutation of `count`, one somewhere among each few; all if there are not many."""
+    if count < _MANY:
+        return np.arange(count)
+    number = np.arange(count // _APART)
+    return _APART * number + (((number * _SCATTER) & 0xFFFFFFFF) >> 28)
 
 
 def _walks(successor: IntArray, ruler: IntArray) -> _Walks:
