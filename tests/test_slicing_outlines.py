@@ -11,7 +11,7 @@ from dualcolor.core.slicing.edges import faces_beyond
 from dualcolor.core.slicing.intersect import intersect
 from dualcolor.core.slicing.link import link
 from dualcolor.core.slicing.outlines import Outlines, starts
-from dualcolor.core.slicing.planes import layer_stack
+from dualcolor.core.slicing.planes import layer_stack, levels
 from dualcolor.core.slicing.union import equal_segments, united, winding_number
 from dualcolor.tests.solids import box, cylinder, joined, lathe
 
@@ -88,6 +88,19 @@ def test_each_cut_goes_on_where_it_ends_also_among_solids_that_touch(inward):
     assert sorted(cuts.successor) == list(range(len(cuts.layer)))
     assert np.array_equal(cuts.layer[cuts.successor], cuts.layer)
     assert np.array_equal(cuts.points[cuts.successor, 0], cuts.points[:, 1])
+
+
+@pytest.mark.parametrize("spacing", ["even", "thick first layer", "uneven", "few"])
+def test_levels_are_those_that_a_search_finds_also_on_planes_and_beyond_them(spacing):
+    rng = np.random.default_rng(6)
+    planes = {
+        "even": 0.1 + 0.2 * np.arange(50),
+        "thick first layer": np.append(0.15, 0.4 + 0.2 * np.arange(50)),
+        "uneven": np.cumsum(rng.uniform(0.01, 2.0, 50)),
+        "few": np.array([0.3, 0.5]),
+    }[spacing]
+    heights = np.concatenate([planes, np.nextafter(planes, 0), rng.uniform(-3, planes[-1] + 3, 500), [-1e9, 1e9]])
+    assert np.array_equal(levels(heights, planes), np.searchsorted(planes, heights, side="right"))
 
 
 @pytest.mark.parametrize("closed", [True, False])

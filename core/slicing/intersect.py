@@ -13,6 +13,7 @@ from ..records import dataclass
 from ..texture.islands import complex_uv
 from .edges import faces_beyond
 from .outlines import starts
+from .planes import levels
 
 _CODE_BITS, _AROUND_HIGHEST = 5, 2  # see `ends_of`
 
@@ -125,7 +126,7 @@ def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
         mesh: F faces.
         planes: (L,) mm, increasing.
     """
-    level = np.searchsorted(planes, mesh.vertices[:, 2].copy(), side="right")
+    level = levels(mesh.vertices[:, 2].copy(), planes)
     bits, slots = len(level).bit_length(), 2 * len(mesh.faces)
     vertex = ((level << bits) | np.arange(len(level))) << 2
     low, middle, high, edge, key, number = in_chunks(

@@ -45,6 +45,21 @@ def layer_stack(object_height: float, settings: PrintSettings) -> Layers:
     return Layers(top - height / 2, top, height)
 
 
+def levels(height: FloatArray, plane: FloatArray) -> IntArray:
+    """(N,) how many planes (L,) mm, increasing, lie at each height (N,) mm or below it.
+
+    Layers are as thick as each other but for the first, so the number is guessed, and looked up where that is wrong.
+    """
+    if len(plane) < 3:
+        return np.searchsorted(plane, height, side="right")
+    place = (height - plane[1]) * ((len(plane) - 2) / (plane[-1] - plane[1])) + 2
+    level = np.clip(place, 0, len(plane), out=place).astype(np.int64)
+    below, above = np.append(-np.inf, plane), np.append(plane, np.inf)
+    wrong = np.flatnonzero((height < below.take(level)) | (height >= above.take(level)))
+    level[wrong] = np.searchsorted(plane, height[wrong], side="right")
+    return level
+
+
 def line_widths(layer: IntArray, settings: PrintSettings) -> FloatArray:
     """(N,) mm, how wide the object's lines are on (N,) layers; the first has its own width where it lies on the bed."""
     on_bed = (layer == 0) & (settings.raft_layers == 0)
