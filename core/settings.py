@@ -271,6 +271,10 @@ class PrintSettings:
         0.0, 600.0,
     )  # fmt: skip
     bed_temperature: float = _filament(110.0, "Temperature of the bed", "°C", 0.0, 130.0)
+    fan_speed: float = _filament(
+        0.0, "Fan that cools the print, on printers with Marlin or Klipper firmware; 0 is off", "%", 0.0, 100.0
+    )
+    disable_fan_first_layers: int = _filament(1, "Layers on the bed that are printed without the fan", "", 0, 1000)
 
     # Predicted print
     sag: float = _preview(0.3, "Most that a strand sinks where nothing carries it", "mm", 0.0, 2.0)

@@ -183,6 +183,8 @@ PRINT_DETAILS = (
             "standby_temperature_delta",
             "preheat_time",
             "bed_temperature",
+            "fan_speed",
+            "disable_fan_first_layers",
         ),
         stage="print",
     ),

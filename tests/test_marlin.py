@@ -28,6 +28,8 @@ class Firmware:
     fed: dict = field(default_factory=lambda: {0: 0.0, 1: 0.0})
     laid: list = field(default_factory=list)
     changes: int = 0
+    fan: dict = field(default_factory=lambda: {0: 0.0, 1: 0.0})
+    blown: list = field(default_factory=list)
 
     def run(self, text):
         for line in text.splitlines():
@@ -46,6 +48,8 @@ class Firmware:
         elif command in ("T0", "T1"):
             self.changes += bool(self.laid) and self.tool != int(command[1])
             self.tool = int(command[1])
+        elif command in ("M106", "M107"):
+            self.fan[int(values.get("P", max(self.tool, 0)))] = values.get("S", 255.0) if command == "M106" else 0.0
         elif command == "G1":
             self.move(values)
         else:
@@ -60,6 +64,7 @@ class Firmware:
             self.fed[self.tool] += values["E"]
             if values["E"] > 0 and (begin[:2] != self.place[:2]).any():
                 self.laid.append((self.tool, *self.place, values["E"]))
+                self.blown.append(self.fan[self.tool])
 
 
 def test_plastic_goes_where_the_moves_say():
@@ -85,6 +90,32 @@ def test_a_whole_print_heats_changes_tools_and_cools():
     assert not re.search(r"^(M13[2-7]|G16|.* [AB]-?\d)", text, re.MULTILINE)
     places = np.array(told.laid)[:, 1:3]
     assert places.min() > 0 and places.max() < 235
+
+
+@pytest.mark.parametrize(("layers", "percent"), [(1, 50.0), (0, 100.0), (3, 20.0), (1000, 100.0)])
+def test_the_fan_of_the_printing_nozzle_blows_from_a_layer_on(layers, percent):
+    settings = SETTINGS.changed({"fan_speed": percent, "disable_fan_first_layers": layers})
+    moves = rosette(12, 200)
+    told = Firmware().run(gcode_text(moves, settings, []).decode())
+    layer = moves.layer[moves.extrudes]
+    np.testing.assert_array_equal(told.blown, np.where(layer >= layers, round(percent * 2.55), 0))
+    assert told.fan == {0: 0, 1: 0}
+
+
+def test_the_fan_is_left_alone_where_it_is_off_or_the_printer_has_none():
+    moves = rosette(4, 50)
+    assert b"M10" not in gcode_text(moves, SETTINGS, []).replace(b"M104", b"").replace(b"M109", b"")
+    makerbot = PrintSettings()
+    with_fan = gcode_text(moves, makerbot.changed({"fan_speed": 100}), [])
+    assert with_fan == gcode_text(moves, makerbot, []).replace(b"fan_speed = 0", b"fan_speed = 100")
+    assert preset_values(["pla"])["fan_speed"] == 100 and preset_values(["abs_black"])["fan_speed"] == 0
+
+
+def test_the_fan_and_a_colder_nozzle_get_along():
+    settings = SETTINGS.changed({"fan_speed": 100, "standby_temperature_delta": 40})
+    moves = rosette(12, 4000)
+    told = Firmware().run(gcode_text(moves, settings, []).decode())
+    np.testing.assert_array_equal(told.blown, np.where(moves.layer[moves.extrudes] >= 1, 255, 0))
 
 
 def test_x3g_is_refused(tmp_path):

@@ -12,6 +12,7 @@ import numpy as np
 from ..model import IntArray
 from ..printer import MarlinCommands
 from ..settings import PrintSettings
+from .fan import fan_off
 
 FILAMENT_AXIS = "E"
 
@@ -43,7 +44,7 @@ def marlin_tool_change(commands: MarlinCommands, tool: int) -> list[str]:
 def marlin_end(commands: MarlinCommands, settings: PrintSettings, tool: int) -> list[str]:
     """Pull the filament of the active tool back, then the profile's end."""
     pull_back = f"G1 {FILAMENT_AXIS}{-settings.retract_length:.5f} F{settings.retract_speed * 60:.0f}"
-    return [pull_back, *_filled(commands.end, settings, tool)]
+    return [pull_back, *fan_off(settings), *_filled(commands.end, settings, tool)]
 
 
 def fed_by_each(counter: IntArray, tool: IntArray) -> IntArray:

@@ -15,6 +15,7 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..statistics import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Feature, Moves
+from .fan import fan_commands
 from .marlin import fed_by_each
 from .numbers import BACKWARDS_LIMIT, COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
@@ -104,6 +105,8 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
         begins = layer_begins(moves, seconds)
         if settings.standby_temperature_delta:
             idle = standby_commands(moves, seconds, settings)
+    for row, lines_of_fan in fan_commands(moves, settings).items():
+        idle[1].setdefault(row, []).extend(lines_of_fan)
     strands = np.flatnonzero(extrudes)
     places, insertions = _insertions(moves, strands, kept_before, begins, idle, printer)
     last_tool = int(moves.tool[-1])
