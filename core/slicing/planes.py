@@ -53,7 +53,7 @@ def levels(height: FloatArray, plane: FloatArray) -> IntArray:
     if len(plane) < 3:
         return np.searchsorted(plane, height, side="right")
     place = (height - plane[1]) * ((len(plane) - 2) / (plane[-1] - plane[1])) + 2
-    level = np.clip(place, 0, len(plane), out=place).astype(np.int64)
+    level: IntArray = np.clip(place, 0, len(plane), out=place).astype(np.int64)
     below, above = np.append(-np.inf, plane), np.append(plane, np.inf)
     wrong = np.flatnonzero((height < below.take(level)) | (height >= above.take(level)))
     level[wrong] = np.searchsorted(plane, height[wrong], side="right")
