@@ -17,6 +17,15 @@ from .units import mm_per_unit, use_millimetres
 
 UP_AXIS = {".blend": "z", ".obj": "y", ".stl": "z", ".ply": "z", ".glb": "y", ".gltf": "y"}
 """The axis that usually points up in each kind of file."""
+_OTHER_KINDS = {
+    **dict.fromkeys((".3mf", ".step", ".stp", ".fbx", ".usdz"), "open it elsewhere and save it as .stl, .obj or .glb"),
+    **dict.fromkeys(
+        (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp"),
+        "dualcolor plate puts pictures on plates; --texture puts one on a model",
+    ),
+    ".gcode": "dualcolor render shows the print in a G-code file",
+    ".x3g": "dualcolor render shows the print in an X3G file",
+}
 
 
 SCALE_KEY = "dualcolor_scale"
@@ -72,7 +81,8 @@ def check_file(path: Path, alone: bool) -> None:
     """
     kind = path.suffix.lower()
     if kind not in UP_AXIS:
-        raise PrintError(f"{path} is not a model file", f"known kinds are {', '.join(UP_AXIS)}")
+        hint = _OTHER_KINDS.get(kind, f"known kinds are {', '.join(UP_AXIS)}")
+        raise PrintError(f"{path} is not a model file", hint)
     if not path.is_file():
         raise PrintError(f"there is no file {path}")
     if not path.stat().st_size:

@@ -181,6 +181,10 @@ def test_slopes_are_interpolated_and_overhangs_count_as_upright(monkeypatch, tmp
     assert calibrated(asked, asked, chosen.changed({"calibration": "none"}))[0] is asked
     with pytest.raises(CalibrationError):
         calibrated(asked, asked, chosen.changed({"calibration_file": "nowhere.json"}))
+    with pytest.raises(CalibrationError, match="names no tone table"):
+        calibrated(asked, asked, chosen.changed({"calibration_file": ""}))
+    for way in ("none", "upright", "slope_aware"):
+        assert "set calibration = file" in calibrated(asked, asked, chosen.changed({"calibration": way}))[1][0]
 
 
 @pytest.mark.parametrize("quality", ["standard", "fine"])

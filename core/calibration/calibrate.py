@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import CalibrationError
 from ..model import FloatArray
 from ..pattern.chunks import CHUNK_ROWS
 from ..pattern.contours import POINTS_PER_WAVELENGTH
@@ -30,13 +31,16 @@ def calibrated(tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings)
     Raises:
         CalibrationError: calibration_file cannot be read.
     """
+    idle = settings.calibration_file and settings.calibration != "file"
+    notes = ["calibration_file is not used; set calibration = file to print with it"] if idle else []
     if settings.calibration == "none":
-        return tone, []
+        return tone, notes
     table = table_for(settings)
     if table is None:
-        return tone, [f"pattern {settings.pattern} has no tone table, its tones are printed as they are: {_HINT}"]
-    differences = table.about.differences(settings)
-    notes = [f"the tone table holds for other settings ({', '.join(differences)}): {_HINT}"] if differences else []
+        notes.append(f"pattern {settings.pattern} has no tone table, its tones are printed as they are: {_HINT}")
+        return tone, notes
+    if differences := table.about.differences(settings):
+        notes.append(f"the tone table holds for other settings ({', '.join(differences)}): {_HINT}")
     slants = table.slant_deg[:1] if settings.calibration == "upright" else table.slant_deg
     shown = image_range(tone, settings.layer_height * settings.wavelength / POINTS_PER_WAVELENGTH)
     ways = printable_tones(np.linspace(0.0, 1.0, _LEVELS + 1), slants, table, shown, settings).printed
@@ -49,7 +53,12 @@ def table_for(settings: PrintSettings) -> ToneTable | None:
     Raises:
         CalibrationError: calibration_file cannot be read.
     """
-    return read_table(Path(settings.calibration_file)) if settings.calibration == "file" else shipped_table(settings)
+    if settings.calibration != "file":
+        return shipped_table(settings)
+    if not settings.calibration_file:
+        hint = "name one that read-photo or build-table has made"
+        raise CalibrationError("calibration is file, but calibration_file names no tone table", hint)
+    return read_table(Path(settings.calibration_file))
 
 
 def shipped_table(settings: PrintSettings) -> ToneTable | None:
