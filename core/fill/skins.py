@@ -15,7 +15,7 @@ from .walls import offset
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
 _AREA_ERROR_MM2 = 0.01  # of an overlay that went right
-_MANY = 24  # regions that are overlaid at once in less time than one by one
+_MANY = 8  # regions that are overlaid at once in less time than one by one
 _SMALLEST_SPARSE_MM2 = 10.0  # a sparse remnant below this holds a line or two at best
 
 

@@ -76,7 +76,8 @@ def gaps(
         if outside:
             np.minimum.at(clearance[part], point[outwards], width[outwards])
     _ease(thickness, start, inside)
-    _ease(clearance, start, outside)
+    if outside:
+        _ease(clearance, start, outside)
     return thickness, clearance
 
 
