@@ -27,6 +27,7 @@ from .records import dataclass
 from .settings import PrintSettings
 from .slicing.slices import Slices, slices
 from .stages import Stages
+from .texture.island_levels import island_levels
 from .texture.labels import uv_charts
 from .texture.lookup import tone_at
 from .texture.pyramid import TexturePyramids, build_pyramids, sizes_of
@@ -82,7 +83,9 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     mesh = stages.former("mesh", triangulate(model, settings))
     footprint = 2 * settings.layer_height
     charts = aside("charts", uv_charts, mesh, sizes_of(model.textures))
-    painting = aside("texture", build_pyramids, mesh, model.textures, footprint, settings.texture_filter, charts)
+    islands = aside("islands", island_levels, charts, settings.texture_filter)
+    known = (settings.texture_filter, charts, islands)
+    painting = aside("texture", build_pyramids, mesh, model.textures, footprint, *known)
     yield stages.begin(0.05, "slicing")
     cut = run("slicing", slices, mesh, settings)
     closes = aside("closing", closing, cut.polygons, cut.polygon_layer, len(cut.layers), settings)
@@ -99,7 +102,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     paint = aside("slopes", face_contrast, mesh, pyramids, settings)
     yield stages.begin(0.45, "tone")
     tone = run("tone", pattern_tone, lines, pyramids, settings) if early is None else early
-    del charts, painting, pyramids  # as large as the moves that are to come
+    del charts, islands, known, painting, pyramids  # as large as the moves that are to come
     yield stages.begin(0.5, "modulation")
     slant = run("slant", _slant, lines, mesh, settings.wavelength)
     printed, notes = run("calibration", calibrated, tone, slant, settings)

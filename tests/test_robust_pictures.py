@@ -67,15 +67,23 @@ def test_blender_never_decodes_them(scene, tmp_path):
 
 
 def test_bands_of_a_large_picture_make_the_same_levels(monkeypatch):
-    from dualcolor.core.texture import pyramid
+    from dualcolor.core.model import ToneImage
+    from dualcolor.core.texture import island_levels, pyramid
+    from dualcolor.core.texture.labels import Charts
 
     random = np.random.default_rng(5)
     size = (37, 51)
-    tone, alpha = (random.random(size).astype(np.float32).ravel() for _ in range(2))
-    base = pyramid._level(*size, tone, alpha, None, random.integers(0, 4, tone.size).astype(np.int8), np.zeros(0, int))
-    whole = pyramid._halved_to_one(base)
-    monkeypatch.setattr(pyramid, "_BAND_TEXELS", 200)
-    for one, other in zip(whole, pyramid._halved_to_one(base), strict=True):
+    image = ToneImage(*(random.random(size).astype(np.float32) for _ in range(2)))
+    labels = random.integers(0, 4, size).astype(np.int8)
+
+    def levels():
+        (own,) = island_levels.island_levels(Charts(np.zeros(0, np.int8), np.zeros(0), (labels,)), "trilinear")
+        return pyramid._averaged(pyramid._finest(image, own[0]), own[1:])
+
+    whole = levels()
+    for module in (pyramid, island_levels):
+        monkeypatch.setattr(module, "BAND_TEXELS", 200)
+    for one, other in zip(whole, levels(), strict=True):
         assert (one.height, one.width) == (other.height, other.width)
         for name in ("paint", "alpha", "coverage", "island", "uniform"):
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

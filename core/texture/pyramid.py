@@ -6,6 +6,7 @@ import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
 from ..records import dataclass
+from .island_levels import BAND_TEXELS, IslandLevel, children, island_levels
 from .islands import NO_ISLAND, LabelImage
 from .labels import Charts, uv_charts
 from .lanczos import reduced, texel_spacing
@@ -51,9 +52,6 @@ class Picture:
     repeats: bool
 
 
-_BAND_TEXELS = 1 << 17  # halved at once: what is worked on stays in the cache
-
-
 @dataclass(frozen=True)
 class TexturePyramids:
     """All textures of a mesh, filtered for one footprint; look-ups with other backgrounds can share it.
@@ -79,6 +77,7 @@ def build_pyramids(
     footprint_mm: float,
     texture_filter: str,
     charts: Charts | None = None,
+    islands: tuple[tuple[IslandLevel, ...], ...] | None = None,
 ) -> TexturePyramids:
     """Filter all textures of a mesh.
 
@@ -88,26 +87,28 @@ def build_pyramids(
         footprint_mm: the width on the object over which a look-up averages.
         texture_filter: "trilinear": mip maps; "lanczos": each picture is reduced once to texels of the footprint.
         charts: those of the mesh, if they are known.
+        islands: their levels, if they are known.
 
     Raises:
         TextureError: a face has a texture that is not there.
     """
     charts = charts or uv_charts(mesh, sizes_of(textures))
+    islands = islands or island_levels(charts, texture_filter)
     level = np.zeros(len(mesh.faces))
     pictures = []
-    for number, (image, labels) in enumerate(zip(textures, charts.labels, strict=True)):
+    for number, (image, own) in enumerate(zip(textures, islands, strict=True)):
         height, width = image.tone.shape
-        if not labels.size:
+        if not own:
             pictures.append(Picture((), height, width, False))
             continue
         faces = np.flatnonzero(mesh.face_texture == number)
         uv = mesh.face_uv if len(faces) == len(mesh.faces) else mesh.face_uv[faces]
-        base = _finest(image, labels)
+        base = _finest(image, own[0])
         if texture_filter == "lanczos":
             corners = mesh.vertices[mesh.faces[faces]]
             levels: tuple[Level, ...] = (_reduced_level(base, corners, uv, footprint_mm),)
         else:
-            levels = _halved_to_one(base)
+            levels = _averaged(base, own[1:])
             level[faces] = _levels(mesh, faces, charts.face_area * (width * height), footprint_mm, len(levels))
         pictures.append(Picture(levels, height, width, bool(uv.min() < -1e-6 or uv.max() > 1 + 1e-6)))
     return TexturePyramids(texture_filter, tuple(pictures), mesh.face_texture, charts.face_island, level)
@@ -118,38 +119,17 @@ def sizes_of(textures: tuple[ToneImage, ...]) -> tuple[tuple[int, int], ...]:
     return tuple((image.tone.shape[0], image.tone.shape[1]) for image in textures)
 
 
-def _finest(image: ToneImage, labels: LabelImage) -> Level:
+def _finest(image: ToneImage, islands: IslandLevel) -> Level:
     """The picture itself, alpha premultiplied; what is outside the islands is left there, nothing reads it."""
-    tone, (height, width) = np.ascontiguousarray(image.tone).ravel(), labels.shape
-    none = np.zeros(0, dtype=np.int64)
+    tone = np.ascontiguousarray(image.tone).ravel()
     if image.alpha.min() == 1:
-        return _level(height, width, tone, None, None, labels.ravel(), none)
+        return _level(tone, None, islands)
     alpha = np.ascontiguousarray(image.alpha).ravel()
-    return _level(height, width, tone * alpha, alpha, None, labels.ravel(), none)
+    return _level(tone * alpha, alpha, islands)
 
 
-def _level(
-    height: int,
-    width: int,
-    paint: Float32Array,
-    alpha: Float32Array | None,
-    coverage: Float32Array | None,
-    island: LabelImage,
-    partly: IntArray,
-) -> Level:
-    """A level with what is `uniform` in it; `partly` are the texels that are not wholly covered."""
-    uniform = np.zeros(height * width, dtype=bool)
-    last = height * width - width - 1
-    for begin in range(0, last, _BAND_TEXELS):
-        end = min(begin + _BAND_TEXELS, last)
-        part, here = uniform[begin:end], island[begin:end]
-        np.equal(here, island[begin + width + 1 : end + width + 1], out=part)
-        part &= here == island[begin + 1 : end + 1]
-        part &= here == island[begin + width : end + width]
-    uniform[width - 1 :: width] = False
-    for step in (0, 1, width, width + 1):  # of the quad
-        uniform[np.maximum(partly - step, 0)] = False
-    return Level(height, width, paint, alpha, coverage, island, uniform)
+def _level(paint: Float32Array, alpha: Float32Array | None, islands: IslandLevel) -> Level:
+    return Level(islands.height, islands.width, paint, alpha, islands.coverage, islands.island, islands.uniform)
 
 
 def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_mm: float) -> Level:
@@ -180,54 +160,21 @@ def _levels(
     return np.asarray(np.clip(level, 0.0, count - 1.0))
 
 
-def _halved_to_one(base: Level) -> tuple[Level, ...]:
-    """The level and all coarser ones, down to a single texel."""
+def _averaged(base: Level, coarser: tuple[IslandLevel, ...]) -> tuple[Level, ...]:
+    """The level and all coarser ones: in a texel only those of its own island are averaged, by their coverage."""
     levels = [base]
-    while levels[-1].height > 1 or levels[-1].width > 1:
-        levels.append(_halved(levels[-1]))
+    for islands in coarser:
+        finer, values = levels[-1], []
+        child, _ = children(finer.height, finer.width, islands.mixed)
+        for value in (finer.paint, finer.alpha):
+            if value is not None:
+                mean = _mean_of_fours(value.reshape(finer.height, finer.width)).ravel()
+                if finer.coverage is None and islands.coverage is not None:
+                    mean *= islands.coverage
+                mean[islands.mixed] = np.where(islands.own, value.take(child), 0).sum(axis=0) / 4
+                values.append(mean)
+        levels.append(_level(values[0], values[1] if len(values) > 1 else None, islands))
     return tuple(levels)
-
-
-def _halved(level: Level) -> Level:
-    """The next coarser level; odd sizes are filled up with texels that nothing covers, so no texel is stretched.
-
-    A texel belongs to the island that covers most of it, and only that island's texels are averaged in it, each
-    weighted by its coverage.
-    """
-    height, width = (level.height + 1) // 2, (level.width + 1) // 2
-    even = (slice(None, None, 2), slice(None, None, 2))
-    owner = level.island.reshape(level.height, level.width)[even].ravel()
-    mixed = np.flatnonzero(~level.uniform.reshape(level.height, level.width)[even])
-    child, label, share = _children(level, mixed, width)
-    votes = np.stack([np.where(label == mine, share, 0).sum(axis=0) for mine in label])
-    owner[mixed] = np.take_along_axis(label, votes.argmax(axis=0)[None], axis=0)[0]
-    own = (label == owner[mixed]) & (share > 0)
-    coverage = (owner != NO_ISLAND).astype(np.float32)
-    coverage[mixed] = np.where(own, share, 0).sum(axis=0) / 4
-    values = []
-    for value in (level.paint, level.alpha):
-        if value is not None:
-            mean = _mean_of_fours(value.reshape(level.height, level.width)).ravel()
-            if level.coverage is None:
-                mean *= coverage
-            mean[mixed] = np.where(own, value.take(child), 0).sum(axis=0) / 4
-            values.append(mean)
-    partly = mixed[coverage[mixed] < 1]
-    return _level(height, width, values[0], values[1] if len(values) > 1 else None, coverage, owner, partly)
-
-
-def _children(level: Level, texel: IntArray, width: int) -> tuple[IntArray, LabelImage, Float32Array]:
-    """(4, n) the texels of a level that some texels of the next one are made of, their islands and coverage.
-
-    Beyond the picture there is no island.
-    """
-    row, column = np.divmod(texel, width)
-    rows, columns = 2 * row + [[0], [0], [1], [1]], 2 * column + [[0], [1], [0], [1]]
-    within = (rows < level.height) & (columns < level.width)
-    child = np.where(within, rows * level.width + columns, 0)
-    label = np.where(within, level.island.take(child), NO_ISLAND).astype(level.island.dtype)
-    share = np.ones(child.shape, np.float32) if level.coverage is None else level.coverage.take(child)
-    return child, label, np.where(label == NO_ISLAND, np.float32(0), share)
 
 
 def _mean_of_fours(image: Float32Array) -> Float32Array:
@@ -235,7 +182,7 @@ def _mean_of_fours(image: Float32Array) -> Float32Array:
     height, width = image.shape
     mean = np.zeros(((height + 1) // 2, (width + 1) // 2), dtype=np.float32)
     inner, image = mean[: height // 2, : width // 2], image[: height // 2 * 2, : width // 2 * 2]
-    rows = max(1, _BAND_TEXELS // width)
+    rows = max(1, BAND_TEXELS // width)
     for row in range(0, len(inner), rows):
         both = image[2 * row : 2 * (row + rows) : 2] + image[2 * row + 1 : 2 * (row + rows) : 2]
         both *= np.float32(0.25)
