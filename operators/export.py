@@ -39,8 +39,8 @@ class FileExport(JobOperator, ExportHelper):
         # In one step with the strands: whoever stops the job then finds nothing changed.
         result = WRITERS[self.kind](result, path)
         set_report(obj.dualcolor, result.report)
-        self.outcome, message = with_warnings(f"{path.name}: {result.report[self.kind]['bytes'] / 1e6:.1f} MB", result)
-        return message
+        # No report of a warning: one that follows a file browser pops up.
+        return with_warnings(f"{path.name}: {result.report[self.kind]['bytes'] / 1e6:.1f} MB", result)
 
 
 WRITERS = {"gcode": export_gcode, "x3g": export_x3g}

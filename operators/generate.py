@@ -66,12 +66,11 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
     return result
 
 
-def with_warnings(message: str, result: DualColorPrint) -> tuple[str, str]:
-    """How a message about a print is reported, and the message; it tells of warnings, for only the last one is seen."""
+def with_warnings(message: str, result: DualColorPrint) -> str:
+    """A message about a print that also tells of its warnings: only the last one stays in sight."""
     count = len(result.warnings)
-    if not count:
-        return "INFO", message
-    return "WARNING", f"{message}; {count} warning{'s' if count > 1 else ''}, see the results in the sidebar"
+    said = f"; {count} warning{'s' if count > 1 else ''}, see the results in the sidebar" if count else ""
+    return message + said
 
 
 def names_of(result: DualColorPrint) -> str:
@@ -95,5 +94,5 @@ class DUALCOLOR_OT_generate(JobOperator, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         """Print the active object and the other selected ones."""
         result = yield from printed(context, reuse=False)
-        self.outcome, message = with_warnings(f"{names_of(result)}: {result.report['layers']} layers", result)
-        return message
+        self.outcome = "WARNING" if result.warnings else "INFO"
+        return with_warnings(f"{names_of(result)}: {result.report['layers']} layers", result)

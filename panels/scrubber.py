@@ -76,7 +76,9 @@ def _draw_legend() -> None:
     size = 14 * context.preferences.system.ui_scale
     entries = legend_of(collection.dualcolor_view.colour_by)
     blf.size(0, size * 0.85)
-    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    blf.color(0, *context.preferences.themes[0].view_3d.space.text_hi, 1.0)
+    blf.enable(0, blf.SHADOW)  # whatever the view's background is
+    blf.shadow(0, 3, 0.0, 0.0, 0.0, 0.8)
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     for number, (text, colour) in enumerate(reversed(entries)):
         left, low = 2 * size, size * (2 + 1.2 * number)
@@ -85,6 +87,7 @@ def _draw_legend() -> None:
         batch_for_shader(shader, "TRIS", {"pos": corners}, indices=[(0, 1, 2), (0, 2, 3)]).draw(shader)
         blf.position(0, left + 1.5 * size, low + 0.2 * size, 0)
         blf.draw(0, text)
+    blf.disable(0, blf.SHADOW)
 
 
 def register() -> None:

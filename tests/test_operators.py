@@ -31,7 +31,8 @@ def traces() -> set[str]:
     names = {name for name in dir(bpy.types) if "DUALCOLOR" in name.upper()}
     names |= {f"ops.dualcolor.{name}" for name in dir(bpy.ops.dualcolor)}
     names |= {"Object.dualcolor"} if hasattr(bpy.types.Object, "dualcolor") else set()
-    menus = (bpy.types.TOPBAR_MT_file_export, bpy.types.TOPBAR_MT_file_import, bpy.types.VIEW3D_MT_add)
+    names_of_menus = ("TOPBAR_MT_file_export", "TOPBAR_MT_file_import", "VIEW3D_MT_add", "VIEW3D_MT_object")
+    menus = [getattr(bpy.types, name) for name in (*names_of_menus, "IMAGE_MT_image")]
     entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()]
     entries += [*bpy.app.handlers.load_pre, *bpy.app.handlers.depsgraph_update_post]
     return names | {str(entry) for entry in entries if entry.__module__.startswith("dualcolor")}
@@ -119,7 +120,7 @@ def test_the_last_message_tells_that_there_are_warnings(block, tmp_path, capfd):
     bpy.ops.dualcolor.export_gcode(filepath=str(tmp_path / "block.gcode"))
     assert len(report_of(block.dualcolor)["warnings"]) == 1  # it has no picture
     said = [line for line in capfd.readouterr().out.splitlines() if "see the results" in line]
-    assert [line.split(":")[:2] for line in said] == [["Warning", " Cube"], ["Warning", " block.gcode"]]
+    assert [line.split(":")[:2] for line in said] == [["Warning", " Cube"], ["Info", " block.gcode"]]
 
 
 def test_a_copy_of_a_printed_object_and_one_whose_strands_were_deleted_look_as_before(block):

@@ -1,0 +1,53 @@
+"""The entry Dual-Color of the menu Object: what the sidebar's buttons do, for search (F3), Quick Favorites and keys."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.check_model import DUALCOLOR_OT_check_model, DUALCOLOR_OT_repair_model
+from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
+from ..operators.generate import DUALCOLOR_OT_generate
+from ..operators.painting import (
+    DUALCOLOR_OT_bake_occlusion,
+    DUALCOLOR_OT_grey_from_color,
+    DUALCOLOR_OT_set_up_painting,
+)
+from ..operators.render import DUALCOLOR_OT_export_strands, DUALCOLOR_OT_render_prediction
+from ..operators.size import DUALCOLOR_OT_scale_to_height
+from ..operators.soft_proof import DUALCOLOR_OT_soft_proof
+from ..operators.unwrap import DUALCOLOR_OT_unwrap_smart, DUALCOLOR_OT_unwrap_xatlas
+
+ENTRIES = (
+    (DUALCOLOR_OT_scale_to_height, DUALCOLOR_OT_check_model, DUALCOLOR_OT_repair_model),
+    (
+        DUALCOLOR_OT_unwrap_xatlas,
+        DUALCOLOR_OT_unwrap_smart,
+        DUALCOLOR_OT_set_up_painting,
+        DUALCOLOR_OT_grey_from_color,
+        DUALCOLOR_OT_bake_occlusion,
+        DUALCOLOR_OT_soft_proof,
+    ),
+    (DUALCOLOR_OT_generate, DUALCOLOR_OT_export_x3g, DUALCOLOR_OT_export_gcode),
+    (DUALCOLOR_OT_render_prediction, DUALCOLOR_OT_export_strands),
+)
+"""In the order of the work, with a line between its stages."""
+
+
+class DUALCOLOR_MT_object(bpy.types.Menu):
+    """What can be done with the active object."""
+
+    bl_label = "Dual-Color"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """One entry an action."""
+        for number, stage in enumerate(ENTRIES):
+            if number:
+                self.layout.separator()
+            for action in stage:
+                self.layout.operator(action.bl_idname)
+
+
+def draw_object_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None:
+    """The entry of the menu Object."""
+    self.layout.separator()
+    self.layout.menu(DUALCOLOR_MT_object.__name__)
