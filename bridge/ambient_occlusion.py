@@ -26,9 +26,13 @@ _MARGIN = 8
 
 
 def occlusion_steps(
-    obj: bpy.types.Object, size: tuple[int, int], distance_mm: float = DISTANCE_MM, samples: int = SAMPLES
+    obj: bpy.types.Object,
+    size: tuple[int, int],
+    distance_mm: float = DISTANCE_MM,
+    samples: int = SAMPLES,
+    uv_map: str = "",
 ) -> Generator[float, None, Float32Array]:
-    """Bake ambient occlusion for the object's active UV map; yields the share that is done.
+    """Bake ambient occlusion for one of the object's UV maps; yields the share that is done.
 
     It is baked for each vertex and carried from there to the texels. The object is copied with its modifiers; it and
     its scene are not touched, and no other object darkens it.
@@ -38,6 +42,7 @@ def occlusion_steps(
         size: width and height in texels.
         distance_mm: surfaces farther away than this darken nothing.
         samples: rays for each vertex.
+        uv_map: name of the UV map, "" for the active one.
 
     Returns:
         (H, W) light that arrives: 1 in the open, 0 where there is none.
@@ -47,6 +52,8 @@ def occlusion_steps(
         TextureError: there is no UV map.
     """
     with _set_up(obj, size, distance_mm) as (scene, copy, image):
+        if uv_map in copy.data.uv_layers:
+            copy.data.uv_layers[uv_map].active = True
         yield 0.1
         scene.cycles.samples = samples
         _bake(scene, copy, type="AO", target="VERTEX_COLORS")

@@ -18,7 +18,7 @@ class BaseColour:
 
     Attributes:
         image: the picture, or None.
-        uv_map: name of the UV map that the picture asks for, "" for the active one.
+        uv_map: name of the UV map that the picture asks for, "" for the one to render.
         attribute: name of a colour attribute, or "".
         colour: linear RGBA of a plain colour, or None.
     """
@@ -52,6 +52,22 @@ def base_colour(material: bpy.types.Material | None) -> BaseColour:
                 return found
             plain = plain if plain.colour else found
     return plain
+
+
+def chosen_colour(colours: list[BaseColour], image: bpy.types.Image, mesh: bpy.types.Mesh) -> BaseColour:
+    """Where the colour of an object comes from whose picture the user has chosen, instead of its materials' `colours`.
+
+    The picture lies as a material shows it; one that no material shows, by the active UV map, as strokes do.
+    """
+    active = mesh.uv_layers.active
+    unseen = BaseColour(image=image, uv_map=active.name if active else "")
+    return next((colour for colour in colours if colour.image == image), unseen)
+
+
+def picture_layer(colour: BaseColour, mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:
+    """The UV map by which a picture is seen: the one that it asks for, else the one to render; None without any."""
+    layers = mesh.uv_layers
+    return layers.get(colour.uv_map) or next((layer for layer in layers if layer.active_render), layers.active)
 
 
 def _of_socket(socket: bpy.types.NodeSocket, groups: Groups) -> BaseColour:

@@ -14,7 +14,7 @@ from ..core.model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneImag
 from ..core.records import dataclass
 from ..core.settings import PrintSettings
 from ..core.texture.decode import colour_tone
-from .base_colour import BaseColour, base_colour
+from .base_colour import BaseColour, base_colour, chosen_colour, picture_layer
 from .image_input import image_tone
 from .printed_materials import printed_materials
 from .seam_visibility import painted_visibility
@@ -42,7 +42,7 @@ def surface_model(
         obj: the object to print.
         depsgraph: evaluated, of the scene that the object is in.
         settings: for the background tone, and what says where seams are seen.
-        image: the picture chosen by the user; it covers the whole object by the active UV map.
+        image: the picture chosen by the user; it covers the whole object.
 
     Raises:
         MeshError: the object has no surface.
@@ -51,7 +51,8 @@ def surface_model(
     """
     with evaluated_mesh(obj, depsgraph) as mesh:
         corners = _Corners.of(mesh)
-        colours = [BaseColour(image=image)] if image else _material_colours(obj, mesh)
+        colours = _material_colours(obj, mesh)
+        colours = [chosen_colour(colours, image, mesh)] if image else colours
         slot = np.zeros(len(mesh.polygons), dtype=np.int64) if image else _material_slots(mesh, len(colours))
         uv = _corner_uv(mesh, obj.name, corners, colours, slot)
         tone = _corner_tone(mesh, corners, colours, slot, settings.background_tone)
@@ -186,19 +187,19 @@ def _textures(colours: list[BaseColour], slot: IntArray) -> tuple[tuple[ToneImag
 def _corner_uv(
     mesh: bpy.types.Mesh, name: str, corners: _Corners, colours: list[BaseColour], slot: IntArray
 ) -> FloatArray | None:
-    """(C, 2) from the active UV map, or from the one that a material's picture asks for; None if there is none."""
-    active = mesh.uv_layers.active
-    if active is None:
+    """(C, 2) from the UV map by which each material's picture is seen; None if there is none."""
+    if not mesh.uv_layers:
         pictured = next((colour.image for colour in colours if colour.image), None)
         if pictured:
             raise TextureError(f"{name} has no UV map for the image {pictured.name}", UNWRAP_HINT)
         return None
+    active = mesh.uv_layers.active
     uv = _layer_uv(active)
     for number, colour in enumerate(colours):
-        other = mesh.uv_layers.get(colour.uv_map)
-        if colour.image and other and other.name != active.name:
+        layer = picture_layer(colour, mesh)
+        if colour.image and layer.name != active.name:
             chosen = slot[corners.polygon] == number
-            uv[chosen] = _layer_uv(other)[chosen]
+            uv[chosen] = _layer_uv(layer)[chosen]
     return uv
 
 

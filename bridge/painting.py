@@ -11,8 +11,9 @@ from ..core.errors import TextureError
 from ..core.model import FloatArray
 from ..core.texture.decode import linear_from_srgb, srgb_from_linear
 from ..core.texture.grade import Grade, graded
-from .base_colour import base_colour
+from .base_colour import BaseColour, base_colour, chosen_colour, picture_layer
 from .image_input import image_colours
+from .printed_materials import printed_materials
 from .units import mm_per_unit
 from .unwrap import smart_project
 
@@ -43,6 +44,7 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
     image = picture_of(obj)
     if image is None:
         image = give_picture(obj, texel_mm, background_tone)
+    picture_uv(obj).active = True  # by which strokes go
     if obj.mode != "TEXTURE_PAINT":
         bpy.ops.object.mode_set(mode="TEXTURE_PAINT")
     paint = bpy.context.scene.tool_settings.image_paint
@@ -63,22 +65,33 @@ def give_picture(obj: bpy.types.Object, texel_mm: float, tone: float) -> bpy.typ
         obj.dualcolor.image = image  # the materials stay as they are
     else:
         _show_in_new_material(obj, image)
+        obj.data.uv_layers.active.active_render = True
     return image
 
 
 def picture_of(obj: bpy.types.Object) -> bpy.types.Image | None:
     """The picture that an object is printed with: the chosen one, else that of its materials."""
+    return _picture_colour(obj).image
+
+
+def picture_uv(obj: bpy.types.Object) -> bpy.types.MeshUVLoopLayer | None:
+    """The UV map by which that picture is seen; None without any."""
+    return picture_layer(_picture_colour(obj), obj.data)
+
+
+def _picture_colour(obj: bpy.types.Object) -> BaseColour:
+    colours = [base_colour(material) for material in printed_materials(obj)]
     if obj.dualcolor.image:
-        return obj.dualcolor.image
-    found = (base_colour(material).image for material in obj.data.materials)
-    return next((image for image in found if image), None)
+        return chosen_colour(colours, obj.dualcolor.image, obj.data)
+    return next((colour for colour in colours if colour.image), BaseColour())
 
 
 def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bpy.types.Image) -> None:
     """Print and show another picture wherever an object has the former one; strokes go to it too."""
-    if obj.dualcolor.image in (None, former):
-        obj.dualcolor.image = picture
-    for material in filter(None, obj.data.materials):
+    pictures = {base_colour(material).image for material in printed_materials(obj)} - {None}
+    if obj.dualcolor.image == former or (not obj.dualcolor.image and pictures <= {former}):
+        obj.dualcolor.image = picture  # which covers all of it
+    for material in filter(None, printed_materials(obj)):
         for node in material.node_tree.nodes if material.node_tree else ():
             if node.type == "TEX_IMAGE" and node.image == former:
                 node.image = picture

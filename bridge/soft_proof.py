@@ -17,7 +17,7 @@ import numpy as np
 from ..core.errors import PrintError
 from ..core.settings import PrintSettings
 from ..core.soft_proof import ProofTable, proof_settings, proof_table, proof_window, repeats, tone_range
-from .base_colour import BaseColour, base_colour
+from .base_colour import BaseColour, base_colour, chosen_colour, picture_layer
 from .mesh_input import surface_model
 from .printed_materials import COVERED_KEY, PROOF_KEY, is_proof, printed_materials
 from .proof_nodes import ACROSS, BACKGROUND, GRADIENT, RESPONSE, STRIPES, UP, Paint, proof_material, set_number
@@ -131,14 +131,13 @@ def _sources(obj: bpy.types.Object) -> list[BaseColour]:
     mesh, image = obj.data, obj.dualcolor.image
     colours = [base_colour(material) for material in printed_materials(obj)] or [BaseColour()]
     if image:
-        colours = [BaseColour(image=image)] * len(colours)
+        colours = [chosen_colour(colours, image, mesh)] * len(colours)
     pictured = any(colour.image for colour in colours)
-    active_map, active_colour = mesh.uv_layers.active, mesh.color_attributes.active_color
+    active_colour = mesh.color_attributes.active_color
     found = []
     for colour in colours:
         if colour.image:
-            named = colour.uv_map if colour.uv_map in mesh.uv_layers else active_map.name
-            found.append(replace(colour, uv_map=named))
+            found.append(replace(colour, uv_map=picture_layer(colour, mesh).name))
         elif colour.attribute in mesh.color_attributes:
             found.append(colour)
         elif active_colour and not pictured:

@@ -12,6 +12,7 @@ from ..bridge.painting import (
     grey_picture,
     picture_of,
     picture_size,
+    picture_uv,
     set_up_painting,
 )
 from ..bridge.properties import repaint_proof
@@ -145,7 +146,8 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         former = picture_of(obj)
         texel = obj.dualcolor.layer_height / 2
         size = image_size(former) if former else (picture_size(obj, texel),) * 2
-        job = occlusion_steps(obj, size, self.distance, self.samples)
+        uv_map = picture_uv(obj).name if former else ""
+        job = occlusion_steps(obj, size, self.distance, self.samples, uv_map)
         shade = yield from retold(job, lambda share: (share, "baking ambient occlusion"))
         image = former or give_picture(obj, texel, 1.0)
         made = darkened(image, shade, self.strength)

@@ -7,6 +7,7 @@ bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.ambient_occlusion import darkened, occlusion, occlusion_steps  # noqa: E402
 from dualcolor.core.errors import MeshError, TextureError  # noqa: E402
+from dualcolor.core.progress import drained  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb  # noqa: E402
 from scene import add_box, add_mesh, add_uvs, flat_image  # noqa: E402
 
@@ -46,6 +47,15 @@ def test_distance_is_in_millimetres_in_every_scene(corner):
     corner.scale = (0.001,) * 3
     bpy.context.view_layer.update()
     assert occlusion(corner, (32, 32), distance_mm=4.0, samples=32).mean() == pytest.approx(near.mean(), abs=0.02)
+
+
+def test_the_uv_map_can_be_another_than_the_active_one(corner):
+    name = corner.data.uv_layers.active.name
+    expected = occlusion(corner, (32, 32), samples=4)
+    corner.data.uv_layers.new(name="other", do_init=False).active = True
+    job = occlusion_steps(corner, (32, 32), samples=4, uv_map=name)
+    np.testing.assert_allclose(drained(job), expected, atol=0.02)
+    assert corner.data.uv_layers.active.name == "other"
 
 
 def test_stopped_in_between_nothing_is_left(corner):

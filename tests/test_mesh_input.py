@@ -234,6 +234,18 @@ def test_each_material_has_its_own_picture_or_colour():
     assert np.isnan(model.corner_tone[~plain]).all()
 
 
+def test_a_picture_lies_as_it_is_seen_whichever_uv_map_is_active():
+    fresh()
+    box = add_box()
+    add_uvs(box, np.full(2, 0.25), "rendered").active_render = True
+    add_uvs(box, np.full(2, 0.75), "active").active = True
+    shown, other = flat_image((0.5, 0.5, 0.5, 1), "shown"), flat_image((0.5, 0.5, 0.5, 1), "other")
+    add_material(box, shown)
+    assert (model_of(box).corner_uv == 0.25).all()
+    assert (model_of(box, image=shown).corner_uv == 0.25).all()
+    assert (model_of(box, image=other).corner_uv == 0.75).all(), "seen nowhere; strokes go by the active one"
+
+
 def test_a_picture_can_ask_for_its_own_uv_map():
     fresh()
     box = add_box()

@@ -5,7 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.painting import picture_size  # noqa: E402
+from dualcolor.bridge.painting import picture_of, picture_size  # noqa: E402
 from dualcolor.core.errors import TextureError  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb, srgb_from_linear  # noqa: E402
 from dualcolor.core.texture.grade import Grade, graded  # noqa: E402
@@ -110,6 +110,37 @@ def test_grey_picture_is_printed_instead_of_the_coloured_one(registered):
     assert made != image and list(made.pixels[:4]) == [1, 1, 1, 1]
     assert list(image.pixels[:4]) == [1, 0, 0, 1] and image.use_fake_user
     assert {node.image for node in box.active_material.node_tree.nodes if node.type == "TEX_IMAGE"} == {made}
+
+
+def test_a_grey_picture_of_one_material_leaves_the_picture_of_another(registered):
+    box = add_box()
+    add_uvs(box)
+    first, second = flat_image((1, 0, 0, 1), "first"), flat_image((0, 0, 1, 1), "second")
+    for picture in (first, second):
+        add_material(box, picture)
+    box.data.polygons[0].material_index = 1
+    bpy.ops.dualcolor.grey_from_color()
+    assert box.dualcolor.image is None, "it would cover the other material too"
+    assert picture_of(box).name == "first Grey"
+    assert {node.image for node in box.data.materials[1].node_tree.nodes if node.type == "TEX_IMAGE"} == {second}
+
+
+def test_strokes_go_by_the_uv_map_that_the_picture_is_seen_by(registered):
+    box = add_box((40, 40, 40))
+    add_uvs(box, name="rendered").active_render = True
+    add_uvs(box, name="active").active = True
+    add_material(box, flat_image((1, 0, 0, 1)))
+    bpy.ops.dualcolor.set_up_painting()
+    assert box.data.uv_layers.active.name == "rendered"
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+    bare = add_box((40, 40, 40), "bare")
+    add_uvs(bare, name="rendered").active_render = True
+    add_uvs(bare, name="active").active = True
+    bpy.ops.dualcolor.set_up_painting()
+    layer = bare.data.uv_layers.active
+    assert layer.name == "active" and layer.active_render
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def test_the_panel_says_what_is_printed(registered):
