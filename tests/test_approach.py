@@ -1,8 +1,11 @@
 """From path to path: what is pulled back is fed again, wipes follow the line, tools change in the air."""
 
+import re
+
 import numpy as np
 import pytest
 import shapely
+from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import Layers
@@ -124,8 +127,8 @@ def test_a_whole_print_feeds_again_what_it_pulls_back(extra):
         travels = np.isclose(fed, settings.retract_length + extra)
         assert changes.sum() >= 3 and travels.sum() > 10
         wanted = np.cumsum(changes * 2 * extra + travels * extra)
-        # The second tool comes pulled back from the start of the file.
-        balance = np.cumsum(fed) - tool * settings.retract_length_toolchange
+        # Both tools come pulled back from the start of the file.
+        balance = np.cumsum(fed) - (settings.retract_length, settings.retract_length_toolchange)[tool]
         laid = moves.extrudes[mine]
         assert balance[laid] == pytest.approx(wanted[laid])
     way = np.linalg.norm(np.diff(moves.position, axis=0), axis=1)
@@ -142,3 +145,21 @@ def test_a_whole_print_feeds_again_what_it_pulls_back(extra):
     rows = np.flatnonzero(far)[1:] + 1
     top = 0.25 * (moves.layer[rows] + 1)
     assert (moves.position[rows, 2] >= top + 0.3 - 1e-9).all()
+
+
+@pytest.mark.parametrize("length", [0.0, 1.3])
+def test_nothing_drips_on_the_way_from_the_priming_line_to_the_print(length):
+    settings = PrintSettings(retract_length=length)
+    moves = generate(cylinder(radius=5, height=1), settings).moves
+    fed = np.flatnonzero(moves.filament)[0]
+    assert (moves.feature[fed] == Feature.RETRACT) == (length > 0)
+    if length:
+        assert moves.filament[fed] == length
+        np.testing.assert_array_equal(moves.position[fed], moves.position[fed - 1])
+    told = gcode_text(moves, settings, []).decode().splitlines()
+    begin = told.index("; layer 0")
+    # The axis of the first tool before the print: one priming line, less what is pulled back until the first strand.
+    counters = [float(word[1:]) for line in told[:begin] for word in line.split() if re.fullmatch(r"A\d+\.\d+", word)]
+    assert counters[-1] == pytest.approx(max(counters) - length)
+    first_strand = next(line for line in told[begin:] if " A" in line and " X" in line)
+    assert float(first_strand.split(" A")[1].split()[0]) > max(counters)

@@ -34,6 +34,7 @@ class Approach:
         wipe: (K,) mm that the nozzle goes over the path before while the filament is pulled back.
         via: (K,) places that it passes on the way.
         hops: whether the nozzle is lifted on travels with retraction.
+        begins_pulled_back: whether the first path is primed, as the way to it is long and nothing shall drip there.
     """
 
     changes: BoolArray
@@ -42,6 +43,7 @@ class Approach:
     wipe: FloatArray
     via: IntArray
     hops: bool
+    begins_pulled_back: bool
 
     @property
     def pulls(self) -> IntArray:
@@ -53,7 +55,9 @@ class Approach:
     def rows(self) -> IntArray:
         """(K,) moves before the path's first extrusion: pulling back, lift, travel, descent, priming, as they apply."""
         travel = np.where(self.retracts, 4 if self.hops else 2, self.travels.astype(np.int64))
-        return np.asarray(self.pulls + self.via + np.where(self.changes, 4, travel), dtype=np.int64)
+        rows = np.asarray(self.pulls + self.via + np.where(self.changes, 4, travel), dtype=np.int64)
+        rows[:1] += self.begins_pulled_back
+        return rows
 
 
 def approaches(
@@ -82,7 +86,8 @@ def approaches(
     wipe[1:] = np.minimum(np.maximum(least, settings.wipe), sums(length, paths.start)[:-1])
     wipe[~(changes | retracts) | (wipe < _LEAST_WIPE_MM)] = 0.0
     via = np.where(changes, 0, ways.count)
-    return Approach(changes, retracts, (distance > TOUCHING) | rises, wipe, via, settings.z_hop > 0)
+    begins_pulled_back = settings.retract_length > 0
+    return Approach(changes, retracts, (distance > TOUCHING) | rises, wipe, via, settings.z_hop > 0, begins_pulled_back)
 
 
 def fill_approaches(
@@ -111,6 +116,8 @@ def fill_approaches(
     _pass_by(table, first_point, first, approach, ways, settings)
     left = _pull_back(table, paths, layers, first, approach, length, settings)
 
+    if approach.begins_pulled_back and len(first):
+        _prime(table, first[:1] + 1, first_point[:1], settings.retract_length, settings)
     _change_tool(table, paths, first_point, left, first, approach, settings)
     _travel_retracted(table, first_point, left, first, approach, settings)
 
