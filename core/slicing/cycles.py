@@ -92,9 +92,9 @@ def _walks(successor: IntArray, ruler: IntArray) -> _Walks:
         strides.append((walker, passed))
         least[walker] = np.minimum(least[walker], passed.min(axis=0))
         length[walker] += (passed < count).sum(axis=0)
-        arrived = at >= count
-        following[walker[arrived]] = at[arrived] - count
-        walker, at = walker[~arrived], at[~arrived]
+        there, on = np.flatnonzero(at >= count), np.flatnonzero(at < count)  # indices: masks take three times as long
+        following[walker.take(there)] = at.take(there) - count
+        walker, at = walker.take(on), at.take(on)
     if length.sum() == count:
         return _Walks(ruler, following, length, least, strides)
     alone = np.ones(count + len(ruler), dtype=bool)

@@ -97,9 +97,9 @@ class Outlines:
         point = np.where(turned, mirrored, index)
         # Reversed point k is old point n-1-k; the segment that leaves it is the one that used to arrive there.
         arriving = np.where(turned, preceding(self.start)[point], index)
-        carried = self.carried[arriving]
+        carried = self.carried.take(arriving, axis=0)
         carried[turned] = carried[turned, ::-1]
-        return Outlines(self.points[point], self.start, self.layer, self.face[arriving], carried)
+        return Outlines(self.points.take(point, axis=0), self.start, self.layer, self.face.take(arriving), carried)
 
     def runs(self, keep: BoolArray) -> list[Outlines]:
         """Views of the loops that `keep` (M,) marks, those that follow one another in one."""

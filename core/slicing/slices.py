@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..errors import MeshError
 from ..mesh import size_hint
 from ..model import BoolArray, IntArray, TriangleMesh
-from ..pattern.chunks import in_threads
+from ..pattern.chunks import in_chunks, in_threads
 from ..records import dataclass
 from ..settings import PrintSettings
 from .bands import linked_outlines
@@ -25,6 +25,7 @@ from .union import united
 SMALLEST_AREA = 1e-3
 # Points nearer to each other than this (mm) are one.
 SHORTEST_SEGMENT = 1e-7
+_LAYERS_AT_ONCE = 32
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     whole, specks = cleaned(raw, shortest)
     solid = regions_of(whole)
     regions = gathered(solid.polygons, solid.polygon_layer, len(stack))
-    crossing = ~shapely.is_valid(regions)
+    crossing = _crossing(regions)
     if crossing.any():
         # Nesting says nothing about loops that cross: go back to the loops as they were cut.
         mended, regions[crossing] = _mended(whole, crossing, shortest)
@@ -82,6 +83,12 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
         stack, solid.outlines, solid.polygons, solid.polygon_layer, solid.loop_polygon, regions, united_layers, specks,
         shared, open_layers,
     )  # fmt: skip
+
+
+def _crossing(regions: NDArray[np.object_]) -> BoolArray:
+    """(L,) the layers with loops that cross each other or themselves, from their regions (L,)."""
+    (valid,) = in_chunks(lambda some: (shapely.is_valid(some),), regions, rows=_LAYERS_AT_ONCE)
+    return ~valid
 
 
 def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: PrintSettings) -> MeshError:
@@ -99,7 +106,7 @@ def _mended(outlines: Outlines, crossing: BoolArray, shortest: float) -> tuple[R
     loops = outlines.selected(crossing[outlines.layer])
     solid = regions_of(cleaned(uncrossed(loops), shortest)[0])
     regions = gathered(solid.polygons, solid.polygon_layer, len(crossing))
-    still = ~shapely.is_valid(regions)
+    still = _crossing(regions)
     if still.any():
         whole = regions_of(_united_where(loops, still, shortest))
         solid = solid.with_layers_from(whole, still)
