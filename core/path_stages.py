@@ -11,7 +11,6 @@ from shapely import Geometry, get_parts
 from .checks import check
 from .fill.parallel import Shapes
 from .fill.paths import fill_areas, fill_lines
-from .model import TriangleMesh
 from .pattern.contours import Contours
 from .progress import Progress
 from .records import dataclass
@@ -27,7 +26,7 @@ from .toolpaths.assemble import assemble
 from .toolpaths.moves import Moves, Paths
 from .toolpaths.order import ordered
 from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
-from .toolpaths.overhangs import with_overhangs
+from .toolpaths.overhangs import Undersides, undersides, with_overhangs
 from .toolpaths.raft import lifted, raised
 from .toolpaths.surroundings import ground, shadow, surrounding_paths
 from .toolpaths.travels import Rooms, rooms
@@ -70,6 +69,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     outer = outer_wall_paths(wall.outlines)
     shade = aside("shadow", _shadow, lines, holding, settings)
     around = aside("surroundings", _surroundings, shade, cut, holding, outer.first_layer, settings)
+    hanging = aside("undersides", undersides, wall.mesh, cut.layers.plane, settings)
     thin = aside("thin features", thin_features, cut, lines, settings)
     yield stages.begin(0.65, "fill")
     of_wall = (wall.outlines, lines, wall.depth, wall.set_back)
@@ -82,7 +82,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     within = run("rooms", rooms, inside, cut.polygon_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
-    below = (wall.mesh, known.outlines)
+    below = (hanging.result(), known.outlines)
     moves = run("toolpaths", _moves, outer, inner, around.result(), cut.layers, within, *below, settings)
     return PrintedPaths(inner, around.result(), within, moves, thin, alone)
 
@@ -90,7 +90,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
     """The print with each layer's whole wall in the layer's own colour, to tell what the tool changes cost."""
     outer = outer_wall_paths(replace(wall.outlines, swapped=None))
-    below = (wall.mesh, wall.closing.result().outlines)
+    below = (undersides(wall.mesh, wall.cut.layers.plane, settings), wall.closing.result().outlines)
     return _moves(outer, paths.inner, paths.around, wall.cut.layers, paths.within, *below, settings)
 
 
@@ -114,12 +114,12 @@ def _moves(
     around: Paths,
     layers: Layers,
     within: Rooms,
-    mesh: TriangleMesh,
+    hanging: Undersides | None,
     outlines: Shapes,
     settings: PrintSettings,
 ) -> Moves:
     paths = ordered(Paths.joined([lifted(wall, settings), lifted(inner, settings), around]), settings)
-    paths = with_overhangs(paths, mesh, outlines, layers.plane, settings)
+    paths = with_overhangs(paths, hanging, outlines, settings)
     moves = assemble(paths, raised(layers, settings), settings, within)
     check(moves, settings)
     return moves

@@ -64,11 +64,13 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
     Args:
         mesh: as sliced.
         plane: (L,) mm, where the layers are cut.
-        settings: of the print.
+        settings: `overhang_speed` says whether it matters.
 
     Returns:
         None where no line can hang over air.
     """
+    if not settings.overhang_speed:
+        return None
     rise = float(np.diff(plane).max(initial=0.0))
     x, y, z = mesh.area_normals.T
     is_inside_out = float(z @ mesh.vertices[:, 2].take(mesh.faces[:, 0])) < 0
@@ -98,21 +100,19 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
 
 
 def with_overhangs(
-    paths: OrderedPaths, mesh: TriangleMesh, outlines: Shapes, plane: FloatArray, settings: PrintSettings
+    paths: OrderedPaths, hanging: Undersides | None, outlines: Shapes, settings: PrintSettings
 ) -> OrderedPaths:
     """The paths with those lines of walls marked that hang over air, cut where they begin to.
 
     Args:
         paths: in printing order.
-        mesh: as sliced.
+        hanging: see `undersides`.
         outlines: (L,) cross-section of each layer of the object.
-        plane: (L,) mm, where they were cut.
-        settings: `overhang_speed` says whether it matters; `raft_layers` lie below the object's.
+        settings: `raft_layers` lie below the object's.
 
     Returns:
         `over_air` is None where nothing hangs.
     """
-    hanging = undersides(mesh, plane, settings) if settings.overhang_speed > 0 else None
     if hanging is None:
         return paths
     layer = paths.layer - settings.raft_layers
