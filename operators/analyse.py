@@ -11,6 +11,7 @@ from ..core.analysis.study import analysis_steps
 from .generate import active_model
 from .job import JobOperator, Steps
 from .polls import has_printable
+from .viewing import show_in_local_views
 
 
 class DUALCOLOR_OT_analyse(JobOperator, bpy.types.Operator):
@@ -30,7 +31,7 @@ class DUALCOLOR_OT_analyse(JobOperator, bpy.types.Operator):
         yield 0.0, "reading the object"
         obj, model, settings = active_model(context)
         found = yield from analysis_steps(model, settings)
-        show_analysis(found, obj)
+        show_in_local_views(context, obj, show_analysis(found, obj))
         keep_orientations(obj, found.orientations)
         for warning in found.warnings:
             self.report({"WARNING"}, warning)

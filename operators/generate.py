@@ -16,7 +16,7 @@ from ..core.progress import Progress, retold
 from ..core.settings import PrintSettings
 from .job import JobOperator, Steps
 from .polls import has_printable
-from .viewing import make_active
+from .viewing import make_active, show_in_local_views
 
 _SHARE_OF_PIPELINE = 0.95
 
@@ -58,7 +58,7 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
         result = yield from retold(job, lambda step: (step[0] * _SHARE_OF_PIPELINE, step[1]))
         yield _SHARE_OF_PIPELINE, "strands"
         check_present(objects)
-        build_preview(result, obj, others)
+        show_in_local_views(context, obj, build_preview(result, obj, others))
         if context.object is None:  # one of the former strands was active
             make_active(context, obj)
         set_report(obj.dualcolor, result.report)

@@ -24,6 +24,15 @@ def make_active(context: bpy.types.Context, obj: bpy.types.Object) -> None:
         obj.select_set(True)
 
 
+def show_in_local_views(context: bpy.types.Context, source: bpy.types.Object, made: bpy.types.Collection) -> None:
+    """Have the objects of a collection seen in the views that show only some objects, the source among them."""
+    areas = [area for window in context.window_manager.windows for area in window.screen.areas]
+    for space in (area.spaces.active for area in areas if area.type == "VIEW_3D"):
+        if space.local_view and source.local_view_get(space):
+            for shown in made.objects:
+                shown.local_view_set(space, True)
+
+
 def show_pictures(context: bpy.types.Context) -> None:
     """Have a solid view show the pictures on objects instead of one colour for each material."""
     if context.area is None or context.area.type != "VIEW_3D":

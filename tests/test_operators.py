@@ -101,6 +101,24 @@ def test_an_active_strand_stands_for_its_source(block):
     assert len(bpy.data.collections) == 1
 
 
+def test_strands_are_seen_in_a_view_of_the_object_alone(registered):
+    bpy.ops.wm.read_homefile(use_factory_startup=True)  # with its 3D view
+    use_millimetres(bpy.context.scene)
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    block, space = bpy.context.object, area.spaces.active
+    block.scale, block.dualcolor.perimeters, block.dualcolor.infill_density = (6, 6, 2), 1, 0
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.ops.view3d.localview(frame_selected=False)
+        if not block.local_view_get(space):
+            pytest.skip("this Blender has no such views in background")
+        bpy.ops.dualcolor.generate()
+        assert all(shown.local_view_get(space) for shown in preview_of(block).objects)
+        assert not bpy.data.objects["Light"].local_view_get(space)
+        bpy.ops.view3d.localview(frame_selected=False)
+
+
 def test_a_print_made_again_from_its_strands_makes_the_object_active(block):
     block.dualcolor.perimeters, block.dualcolor.infill_density = 1, 0
     bpy.ops.dualcolor.generate()
