@@ -132,6 +132,8 @@ def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
     length = np.sqrt(along[:, 0] + along[:, 1])
     point = length > SHORTEST_SEGMENT
     count = outlines.count if point.all() else sums(point.astype(np.float64), outlines.start).astype(np.int64)
-    real = (count >= 3) & (np.abs(outlines.signed_area) > SMALLEST_AREA)
-    long_enough = sums(length, outlines.start) >= shortest
-    return outlines.reduced(real & long_enough, point, count), outlines.reduced(real & ~long_enough, point, count)
+    short = sums(length, outlines.start) < shortest
+    parts = (outlines.reduced((count >= 3) & those, point, count) for those in (~short, short))
+    # Areas are asked for again where loops are nested, of those that are left.
+    whole, specks = (part.selected(np.abs(part.signed_area) > SMALLEST_AREA) for part in parts)
+    return whole, specks
