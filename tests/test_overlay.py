@@ -58,3 +58,15 @@ def test_touching_outlines_are_left_to_others():
     assert sound.tolist() == [False, False, False, True]
     assert shapely.is_empty(within[:3]).all() and shapely.is_empty(beyond[:3]).all()
     assert np.isclose(shapely.area(within)[3], 3 * 3.5) and np.isclose(shapely.area(beyond)[3], 16 - 3 * 3.5)
+
+
+def test_what_touches_itself_is_right_or_left_to_others():
+    corners = shapely.multipolygons([shapely.box(-4, -4, 0, 0), shapely.box(0, 0, 4, 4)])
+    pinched = shapely.Polygon([(-4, -4), (4, -4), (4, 4), (-4, 4)], [[(0, 4), (-2, 1), (2, 1)]])
+    whole = shapes([corners, corners, pinched, pinched])
+    cutters = shapes([square(3), square(9, 3.3, 1.2), shapely.box(-5, 0, 5, 5), shapely.box(-5, 2, 0.5, 5)])
+    within, beyond, sound = parted(whole, cutters)
+    assert shapely.is_valid(within[sound]).all() and shapely.is_valid(beyond[sound]).all()
+    assert differs(within[sound], shapely.intersection(whole, cutters)[sound]) < 1e-9
+    assert differs(beyond[sound], shapely.difference(whole, cutters)[sound]) < 1e-9
+    assert sound.tolist() == [True, True, True, False]  # the last one cuts shell and hole beside where they touch

@@ -115,7 +115,7 @@ def parted(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes, BoolArray]:
 
     Returns:
         (N,) MultiPolygon within and (N,) beyond, maybe empty; (N,) bool, where they are right: not where outlines touch
-        or run along each other.
+        or run along each other, and not always where an outline touches itself.
     """
     sound, count = np.ones(len(whole), dtype=bool), len(whole)
     rings = _rings(np.concatenate([whole, cutters]))
@@ -124,7 +124,7 @@ def parted(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes, BoolArray]:
     points = np.concatenate([rings.points, met.place])
     start = np.append(rings.start, len(rings.points) + 1 + np.arange(len(met.place)))
     parts = _shapes(points, start, runs, 2 * count)
-    return parts[:count], parts[count:], sound
+    return parts[:count], parts[count:], sound & shapely.is_valid(parts).reshape(2, -1).all(axis=0)
 
 
 def _rings(shapes: Shapes) -> _Rings:
