@@ -8,6 +8,7 @@ import numpy as np
 
 from .analysis.slopes import slope_report, slope_warnings
 from .breakdown import filament_report, swap_cost, time_report
+from .footing import footing_warnings, line_warnings
 from .gcode.standby import standby_warnings
 from .mesh import size_warnings
 from .model import FloatArray, SurfaceModel, TriangleMesh
@@ -59,6 +60,8 @@ def findings(
         *plate_warnings(model, mesh, cut.overlaps, settings),
         *_warnings(cut, wall.lines, wall.samples, settings),
         *size_warnings(mesh, model.name, settings),
+        *footing_warnings(mesh, model.names, cut.regions[0], settings),
+        *line_warnings(settings),
         *thin_warnings(thin, settings),
         *skirt_warnings(paths.around, settings),
         *slope_warnings(slopes),
