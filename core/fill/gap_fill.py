@@ -196,7 +196,7 @@ def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
         _triangles(shapely.linestrings(_on_grid(points), indices=part)), return_index=True
     )
     corner, part = corner.reshape(-1, 4, 2)[:, :3], part[::4]
-    centre = corner.mean(axis=1)
+    centre = (corner[:, 0] + corner[:, 1] + corner[:, 2]) / 3
     inside = offset(gap, -_ON_EDGE_MM)
     shapely.prepare(inside)
     within = shapely.contains_xy(inside[part], centre[:, 0], centre[:, 1])

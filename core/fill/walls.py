@@ -110,7 +110,9 @@ def boundary_paths(
         Outer loops counter-clockwise and holes clockwise, without those too short to be printed.
     """
     parts, owner = shapely.get_parts(regions, return_index=True)
-    rings, part = shapely.get_rings(shapely.orient_polygons(parts), return_index=True)
+    rings, part = shapely.get_rings(parts, return_index=True)
+    turned = shapely.is_ccw(rings) == np.append(False, part[1:] == part[:-1])[: len(part)]
+    rings[turned] = shapely.reverse(rings[turned])
     island = island[owner][part]
     printable = shapely.length(rings) >= 2.0 * width_mm[island]
     rings, island = rings[printable], island[printable]
