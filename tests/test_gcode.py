@@ -13,11 +13,14 @@ from dualcolor.core.gcode.numbers import (
     whole_texts,
 )
 from dualcolor.core.gcode.writer import gcode_text
+from dualcolor.core.pipeline import generate
+from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics import move_seconds
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, rosette, table
+from dualcolor.tests.solids import cylinder, joined
 
 NUMBER = r"-?\d+\.\d{3}"
 ALLOWED = re.compile(
@@ -37,7 +40,8 @@ def texts(words):
 def body(text):
     """The lines between the start sequence and the end sequence."""
     lines = text.decode("ascii").splitlines()
-    return lines[lines.index("; layer 0") : lines.index("M18 A B") - 1]
+    end = "M18 A B" if "M18 A B" in lines else "G91"  # of Marlin's
+    return lines[lines.index("; layer 0") : lines.index(end) - 1]
 
 
 def spoken(text):
@@ -187,8 +191,34 @@ def test_a_print_is_not_done_before_its_end_even_if_its_last_layer_takes_no_time
 def test_no_line_asks_for_more_than_the_axes_can_do():
     moves = rosette(1, 30)
     moves.speed[:] = 500.0
-    feedrates = [int(line.split("F")[1]) for line in body(gcode_text(moves, PrintSettings(), [])) if " F" in line]
-    assert set(feedrates) == {PrintSettings().printer_profile.max_speed_mm_s[0] * 60}
+    most = PrintSettings().printer_profile.max_speed_mm_s
+    lines = [line for line in body(gcode_text(moves, PrintSettings(), [])) if " F" in line]
+    lifts = [line for line in lines if line.startswith("G1 Z")]
+    assert {int(line.split("F")[1]) for line in lifts} <= {most[2] * 60}
+    assert {int(line.split("F")[1]) for line in lines if line not in lifts} == {most[0] * 60}
+
+
+@pytest.mark.parametrize("preset", ["replicator_2x", "marlin_dual"])
+def test_lifts_are_as_fast_as_the_spindle_and_every_line_does_something(preset):
+    settings = PrintSettings().changed(preset_values([preset]) | {"z_hop": 0.4})
+    moves = generate(joined(cylinder(radius=5, height=2), cylinder(radius=4, height=2, x=16)), settings).moves
+    # An extrusion that is shorter than the file can tell, on the spot.
+    row = int(np.flatnonzero(moves.extrudes)[20])
+    moves.position[row], moves.filament[row] = moves.position[row - 1], 1e-7
+    place, speed, lifted = dict.fromkeys("XYZABE", ""), 0, 0
+    for line in body(gcode_text(moves, settings, [])):
+        if not line.startswith("G1 "):
+            continue
+        words = {word[0]: word[1:] for word in line.split()[1:]}
+        speed = int(words.pop("F", speed))
+        changed = {axis for axis, told in words.items() if place[axis] != told or axis == "E"}
+        place |= words
+        if changed == {"Z"}:
+            assert speed <= settings.printer_profile.max_speed_mm_s[2] * 60
+            lifted += 1
+        assert changed or not words, line
+        assert float(words.get("E", 1)) != 0, line
+    assert lifted > 10
 
 
 def start_of(moves, settings=None):

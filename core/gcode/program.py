@@ -177,8 +177,13 @@ def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Line
     feeds = moves.filament != 0
     feedrate = np.minimum(moves.speed, printer.max_speed_mm_s[0])
     feedrate *= 60
+    lifts = np.flatnonzero(written[2] & ~(written[0] | written[1]))
+    feedrate[lifts] = np.minimum(feedrate[lifts], printer.max_speed_mm_s[2] * 60)
     feedrate = np.rint(feedrate, out=feedrate).clip(1, FEEDRATE_LIMIT - 1, out=feedrate).astype(np.int32)
-    kept = written.any(axis=0) | feeds
+    kept = written.any(axis=0)
+    stands = np.flatnonzero(feeds & ~kept)
+    # What feeds less than the file can tell, on the spot, is no line.
+    kept[stands] = steps[stands] != (0 if printer.marlin else steps[stands - 1])
     columns: list[NDArray[Any]] = [thousandths, written, steps, feeds, moves.tool, feedrate, fresh]
     before = np.arange(len(kept))
     if not kept.all():
