@@ -15,7 +15,7 @@ from dualcolor.core.pattern.sampling import Projector, sample
 from dualcolor.core.pattern.spacing import bounded, pushed
 from dualcolor.core.pattern.strand_edges import widened
 from dualcolor.core.pattern.wave import modulated, waved
-from dualcolor.core.pattern.wave_plan import _Curl
+from dualcolor.core.pattern.wave_plan import Search, _Curl
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.wall_stages import pattern_samples
@@ -82,9 +82,11 @@ def test_spacing_is_bounded_on_random_solids(seed, wavelength):
     """The bounds do not depend on how good the plan is: a rough one, which is quick, puts them to a harder test."""
     chosen = PrintSettings(wavelength=wavelength, **PAPER)
     lines = lines_of(random_solid(seed), chosen)
-    with patch.multiple("dualcolor.core.pattern.wave_plan", SPANS=((4, 6, 30),), STEPS=20):
-        for samples in both(lines, chosen)[:2]:
-            assert_bounds(lines, samples, chosen)
+    rough, quick = Search(((4, 6, 30),), 20), Search(((6, 1, 30),), 20)
+    for enough in (0.0, 1.0):
+        with patch.multiple("dualcolor.core.pattern.optimized", SEARCH=rough, QUICK_SEARCH=quick, QUICK_ENOUGH=enough):
+            for samples in both(lines, chosen)[:2]:
+                assert_bounds(lines, samples, chosen)
 
 
 @given(st.lists(st.floats(0.01, 0.99), min_size=1, max_size=40))

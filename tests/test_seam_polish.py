@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from dualcolor.core.mesh import triangulate
 from dualcolor.core.pattern.contours import contours
-from dualcolor.core.pattern.optimized import LONGER_POLISH, POLISH, optimized_samples
+from dualcolor.core.pattern.optimized import LONGER_POLISH, POLISH, QUICK_POLISH, optimized_samples
 from dualcolor.core.pattern.phase_grid import phase_grid
 from dualcolor.core.pattern.quality import seam_errors
 from dualcolor.core.pattern.sampling import Projector, Samples
-from dualcolor.core.pattern.seam_polish import Stage, _midpoints, _sharpness, polished
+from dualcolor.core.pattern.seam_polish import Stage, _pairs, _Waves, polished, sharpness
 from dualcolor.core.pattern.spacing import bounded
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
@@ -33,20 +33,27 @@ def test_what_counts_as_seen_grows_as_it_should(doublings):
         return value**power / (value**power + 0.6**power)
 
     slope = (counted(error + step) - counted(error - step)) / (2 * step)
-    np.testing.assert_allclose(_sharpness(error, stage), slope, rtol=1e-5, atol=1e-7)
+    np.testing.assert_allclose(sharpness(error, stage), slope, rtol=1e-5, atol=1e-7)
 
 
-def test_midpoints_are_halfway_to_the_next_point_around_the_contour(vase):
-    point = np.arange(len(vase.arc))
-    place = _midpoints(vase, point)
-    ahead = np.append(vase.arc[1:], vase.arc_start[-1])
-    ahead[vase.start[1:] - 1] = vase.arc_start[1:]
-    np.testing.assert_allclose(place - vase.arc, ahead - place, atol=1e-9)
-    assert (place > vase.arc).all()
-    assert (np.searchsorted(vase.arc, place, side="right") - 1 == point).all()
+def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(vase):
+    projector = Projector(vase, SETTINGS.projection_threshold)
+    samples = optimized_samples(vase, projector, SETTINGS)
+    grid, waves = phase_grid(vase, projector, SETTINGS), _Waves(vase, samples)
+    every, weight = np.ones(len(samples.arc), dtype=bool), np.full(len(vase.arc), 0.5)
+    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 0.25)
+    along = pairs.place - waves.place[pairs.before]
+    assert (along >= -1e-6).all() and (along <= waves.gap()[pairs.before] + 1e-6).all()
+    loop = samples.loop[pairs.before]
+    arc = vase.arc_start[loop] + np.mod(pairs.place, vase.length[loop])
+    below, above = np.split(arc, 2)
+    assert (np.diff(vase.layer[loop].reshape(2, -1), axis=0) == 1).all()
+    image, _ = projector.project(projector.at(below), vase.layer[loop[: len(below)]] + 1)
+    np.testing.assert_allclose(projector.at(above), projector.at(image), atol=0.01)
+    assert pairs.importance.sum() == pytest.approx(0.5 * vase.length[:-1].sum(), rel=1e-3)
 
 
-@pytest.mark.parametrize(("effort", "left"), [(POLISH, 0.7), (LONGER_POLISH, 0.25)], ids=["quick", "longer"])
+@pytest.mark.parametrize(("effort", "left"), [(QUICK_POLISH, 0.8), (POLISH, 0.7), (LONGER_POLISH, 0.25)])
 def test_polish_mends_samples_that_were_disturbed_and_tells_how_much_is_left(vase, effort, left):
     projector, weight = Projector(vase, SETTINGS.projection_threshold), np.ones(len(vase.arc))
     even = optimized_samples(vase, projector, SETTINGS)

@@ -11,6 +11,9 @@ Here four steps take its place, with the same projection, the same bounds and th
 
 Samples are where the phase is whole, with their spacings brought exactly within the bounds. Last, those near the seams
 that are left move a little until less of these is seen (`seam_polish.py`).
+
+All this is done on every few layers first, from which the layers between follow (`fewer_layers.py`); as a rule that is
+enough.
 """
 
 from __future__ import annotations
@@ -21,19 +24,28 @@ from ..model import FloatArray, IntArray
 from ..settings import PrintSettings
 from ..slicing.outlines import ranges, sums
 from .contours import Contours, long_enough
+from .fewer_layers import fewer_layers
 from .phase_fit import PhaseFit
 from .phase_grid import PhaseGrid, on_grid, phase_grid
 from .sampling import Projector, Samples
 from .seam_polish import Polish, Stage, polished
 from .spacing import bounded
-from .wave_plan import WavePlan, planned, planned_further
+from .wave_plan import Search, WavePlan, planned, planned_further
 from .whole_waves import Phase, rounded
 
-# The plan is made on every so many nodes of the fine grid.
+# First all is done on every so many layers, with a node for so many contour points; neighbours are torn if their images
+# are so many wavelengths farther apart than they. From this share of the pattern on that is a visible seam, or the
+# second where it is told how much a seam matters, all is done anew with more care.
+LAYERS, STRIDE, TEAR = 3, 12, 2.0
+QUICK_SEARCH, QUICK_FIT = Search(((24, 1, 150), (12, 1, 100)), 80), (5, 1, 8)
+QUICK_POLISH = Polish((Stage(3, 2, 0.7, 0.2), Stage(2, 3, 0.55, 0.05)), 0.15, 2, 0.25, 3)
+QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0033, 0.002
+# Then on all layers, on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
+SEARCH = Search(((16, 8, 100), (4, 6, 100), (2, 4, 150)), 25)
 # Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
 COARSE_FIT, FINE_FIT = (8, 1, 10), (2, 0, 8)
-POLISH = Polish((Stage(8, 2, 0.7, 0.2), Stage(4, 3, 0.55, 0.05)), 0.2, 3)
+POLISH = Polish((Stage(8, 2, 0.7, 0.2), Stage(4, 3, 0.55, 0.05)), 0.2, 3, 0.2)
 # Where more than this share of the pattern is a visible seam, or the second where it is told how much a seam matters, a
 # few more plans are tried, with longer fits; the best of all is polished longer from this share of it on.
 ENOUGH, ENOUGH_WEIGHED, FEW = 0.004, 0.0025, 0.8
@@ -42,7 +54,7 @@ LONGER_POLISH = Polish(
     (Stage(25, 1, 0.8, 0.2), Stage(25, 2, 0.7, 0.12), Stage(25, 3, 0.6, 0.06), Stage(25, 4, 0.53, 0.03)),
     0.1,
     4,
-    exact=True,
+    0.1,
 )
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
@@ -72,14 +84,33 @@ class _Planning:
 
     def __init__(self, lines: Contours, projector: Projector, weight: FloatArray, settings: PrintSettings) -> None:
         self.lines, self.projector, self.weight, self.settings = lines, projector, weight, settings
-        self.fine = phase_grid(lines, projector, settings)
-        self.coarse = self.fine.coarser(lines, COARSE_STRIDE)
-        self.here = _at_nodes(weight, lines, self.coarse)
 
     def samples(self) -> Samples:
-        """Those of a quick plan; where these have too many seams, the best of it and of plans that took longer."""
+        """Those of a quick plan on fewer layers; where these have too many seams, of plans on all layers."""
+        best, seen = self._quick()
+        enough = QUICK_ENOUGH if self.weight.min() == 1 else QUICK_ENOUGH_WEIGHED
+        return self._thorough() if seen > enough else best
+
+    def _quick(self) -> tuple[Samples, float]:
+        """Samples by a plan on fewer layers, and the share of the pattern that is a visible seam."""
+        lines, settings = self.lines, self.settings
+        grid = phase_grid(lines, self.projector, settings, STRIDE)
+        layers = fewer_layers(lines, grid.regular(lines, STRIDE), LAYERS, TEAR * settings.wavelength)
+        few, here = layers.few, _at_nodes(self.weight, lines, layers.few)
+        price = np.minimum(here, here[few.ahead])
+        plan = planned(lines, layers.all, few, LAYERS, QUICK_SEARCH, price, settings)
+        phase = PhaseFit(few, rounded(lines, few, plan, settings), here, settings).solved(*QUICK_FIT)
+        phase = layers.everywhere(lines, phase)
+        samples = Samples.on(lines, bounded(lines, *whole_phases(layers.all, phase), settings))
+        return polished(self.projector, grid, samples, self.weight, QUICK_POLISH, settings)
+
+    def _thorough(self) -> Samples:
+        """The best of plans on all layers."""
+        self.fine = phase_grid(self.lines, self.projector, self.settings)
+        self.coarse = self.fine.coarser(self.lines, COARSE_STRIDE)
+        self.here = _at_nodes(self.weight, self.lines, self.coarse)
         price = np.minimum(self.here, self.here[self.coarse.ahead])
-        plan = planned(self.lines, self.fine, self.coarse, price, self.settings)
+        plan = planned(self.lines, self.fine, self.coarse, 1, SEARCH, price, self.settings)
         enough = ENOUGH if self.weight.min() == 1 else ENOUGH_WEIGHED
         best, seen = self._realised(plan, COARSE_FIT, FINE_FIT)
         for _ in range(MORE_TRIES if seen > enough else 0):

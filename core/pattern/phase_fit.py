@@ -23,8 +23,9 @@ from .whole_waves import Phase
 # Stiffness of the spacing inside of its bounds and outside of them, against that of the link between layers.
 SOFT, HARD = 0.02, 20.0
 MARGIN = 0.01
-# Sliding of a wave's share that begins to be seen, and that only a birth or a death can cause.
-VISIBLE, BROKEN = 0.1, 0.2
+# Sliding of a wave's share in a layer that begins to be seen, and that only a birth or a death can cause; over several
+# layers the latter is at most so much.
+VISIBLE, BROKEN, MOST_BROKEN = 0.1, 0.2, 0.4
 CONVERGED = 1e-8
 
 
@@ -51,9 +52,11 @@ class PhaseFit:
         reach = (grid.length + grid.length[grid.behind]) / 2
         usual = float(np.median(reach)) if len(reach) else 1.0
         self.weight = weight * np.clip(reach / usual, 0.05, 3.0) * linked
-        self.least = grid.length / (2 * settings.wavelength) * (1 + MARGIN)
-        self.most = grid.length / settings.wavelength * (1 - MARGIN)
+        self.least = grid.longest / (2 * settings.wavelength) * (1 + MARGIN)
+        self.most = grid.shortest / settings.wavelength * (1 - MARGIN)
         self.target = grid.length / (settings.wavelength * np.sqrt(2))
+        self.visible = VISIBLE * grid.span
+        self.broken = np.minimum(BROKEN * grid.span, MOST_BROKEN)
         self.stiffness = (settings.wavelength / np.maximum(grid.length, 1e-9)) ** 2
 
     def solved(self, rounds: int, plain: int, steps: int) -> Phase:
@@ -72,7 +75,7 @@ class PhaseFit:
             link = self.weight
             if number >= plain:
                 square = slide**2
-                link = link * (1 + square / VISIBLE**2) / (1 + square**3 / BROKEN**6)
+                link = link * (1 + square / self.visible**2) / (1 + square**3 / self.broken**6)
             self.value = self.value + self._step(edge, link, edge * (target - waves), -link * slide, steps)
         return Phase(self.value, self.turns)
 

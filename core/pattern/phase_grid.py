@@ -17,10 +17,11 @@ from ..slicing.outlines import following, preceding, ranges, starts
 from .contours import Contours, long_enough, loop_of
 from .sampling import Projector
 
-# Every so many contour points are projected, and all between them where the surface is torn; every so many of these
-# are searched on the whole layer above, the others near where their neighbours' images are.
-STATION_STRIDE = 3
-SEARCHED = 8
+# Every so many contour points are projected as a rule, at least so many of each contour, and all between them where the
+# surface is torn. One of so many, and no more than every other one, is searched on the whole layer above, the others
+# near where their neighbours' images are.
+STATION_STRIDE, LEAST_NODES = 3, 8
+SEARCHED = 24
 # Neighbours whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
 
@@ -42,6 +43,10 @@ class PhaseGrid:
         low: (K,) int64, the node before the image, 0 where there is none.
         high: (K,) int64, the node after it.
         share: (K,) how far the image lies on the way from `low` to `high`.
+        span: (K,) how many layers higher the image is; 1 where there is none.
+        shortest: (K,) mm, the least length of each edge and of what leads to it between the layers of the grid.
+        longest: (K,) mm, the greatest.
+        stands_for: (K,) on about how many layers each edge's waves are.
     """
 
     arc: FloatArray
@@ -56,6 +61,10 @@ class PhaseGrid:
     low: IntArray
     high: IntArray
     share: FloatArray
+    span: FloatArray
+    shortest: FloatArray
+    longest: FloatArray
+    stands_for: FloatArray
 
     @property
     def linked(self) -> BoolArray:
@@ -70,6 +79,12 @@ class PhaseGrid:
         torn = np.isnan(self.step)
         return self.picked(lines, np.flatnonzero((local % every == 0) | (torn != torn[self.behind])))
 
+    def regular(self, lines: Contours, stride: int) -> PhaseGrid:
+        """Only the nodes every so many contour points, and those where a tear begins or ends."""
+        station = (np.searchsorted(lines.arc, self.arc) - lines.start[self.loop]) % _strides(lines, stride)[self.loop]
+        torn = np.isnan(self.step)
+        return self.picked(lines, np.flatnonzero((station == 0) | (torn != torn[self.behind])))
+
     def picked(self, lines: Contours, node: IntArray) -> PhaseGrid:
         """Some of the nodes, among them the first of each contour; edges with a tear on the way are torn."""
         torn = np.isnan(self.step)
@@ -80,13 +95,13 @@ class PhaseGrid:
         ahead = following(begin)
         end = np.where(ahead > np.arange(len(node)), node[ahead], self.start[loop + 1])
         step = np.where(bad[end] == bad[node], way[end] - way[node], np.nan)
-        return _grid(lines, self.arc[node], loop, self.above[node], step)
+        return grid_of(lines, self.arc[node], loop, self.above[node], step)
 
     def carried(self, lines: Contours, place: FloatArray, asked: BoolArray) -> FloatArray:
         """The images (Q,) of places (Q,), which may be NaN; those not `asked` (Q,) stay where they are."""
         out = place.copy()
         known = np.flatnonzero(asked & ~np.isnan(place))
-        node, share = _between(self.arc, self.start, self.length, lines, place[known])
+        node, share = between(self.arc, self.start, self.length, lines, place[known])
         torn = np.isnan(self.step[node])
         nearer = np.where(share < 0.5, node, self.ahead[node])
         image = np.where(torn, self.above[nearer], self.above[node] + share * self.step[node])
@@ -94,10 +109,11 @@ class PhaseGrid:
         out[known] = lines.arc_start[up] + np.mod(image - lines.arc_start[up], lines.length[up])
         return out
 
-    def spanning(self, lines: Contours, layers: int, spanned: int = 1) -> PhaseGrid:
+    def spanning(self, lines: Contours, layers: int, spanned: int, tear: float) -> PhaseGrid:
         """Only every so many layers, counted from the top, linked to one another over those between them.
 
-        This grid has every `spanned` layers itself, of which `layers` is a multiple.
+        This grid has every `spanned` layers itself, of which `layers` is a multiple. Neighbours whose images lie `tear`
+        mm farther apart than they do are torn.
         """
         below = int(lines.layer.max(initial=0)) - lines.layer[self.loop]
         fine = np.flatnonzero(below % layers == 0)
@@ -105,8 +121,8 @@ class PhaseGrid:
         for _ in range(layers // spanned - 1):
             above = self.carried(lines, above, np.ones(len(fine), dtype=bool))
         arc, loop = self.arc[fine], self.loop[fine]
-        step = _steps(lines, arc, loop, above, layers * TEAR * float(self.length.mean()))
-        return _grid(lines, arc, loop, above, step)
+        step = image_steps(lines, arc, loop, above, tear)
+        return grid_of(lines, arc, loop, above, step)
 
     def every(self, lines: Contours, stride: int) -> PhaseGrid:
         """Only every so many nodes of each contour, at least four."""
@@ -145,27 +161,33 @@ class PhaseGrid:
         return cell, start, edge, weight * np.where(backwards, -1.0, 1.0)[owner]
 
 
-def phase_grid(lines: Contours, projector: Projector, settings: PrintSettings) -> PhaseGrid:
-    """The finest grid: a node each half wavelength, and one at every contour point where the surface is torn."""
+def phase_grid(
+    lines: Contours, projector: Projector, settings: PrintSettings, stride: int = STATION_STRIDE
+) -> PhaseGrid:
+    """A grid with a node every so many contour points, and one at each of them where the surface is torn."""
     usable = long_enough(lines.length, settings)
-    count = np.diff(lines.start)
     loop = lines.loop
     local = np.arange(len(lines.arc)) - lines.start[loop]
-    stride = np.minimum(STATION_STRIDE, np.maximum(count // 4, 1))[loop]
-    chosen = (local % stride == 0) & usable[loop]
+    every = _strides(lines, stride)[loop]
+    chosen = (local % every == 0) & usable[loop]
     above = np.full(len(lines.arc), np.nan)
     node = np.flatnonzero(chosen)
     tear = TEAR * settings.wavelength
-    searched = local[node] % (SEARCHED * stride[node]) == 0
+    searched = local[node] % (np.maximum(SEARCHED // every[node], 2) * every[node]) == 0
     above[node] = _followed_images(lines, projector, node, searched, usable, tear)
-    torn = np.isnan(_steps(lines, lines.arc[node], loop[node], above[node], tear))
+    torn = np.isnan(image_steps(lines, lines.arc[node], loop[node], above[node], tear))
     owner = np.cumsum(chosen) - 1
     between = np.flatnonzero(usable[loop] & ~chosen & torn[np.maximum(owner, 0)])
     above[between] = _images(lines, projector, between, usable)
     chosen[between] = True
     node = np.flatnonzero(chosen)
-    step = _steps(lines, lines.arc[node], loop[node], above[node], tear)
-    return _grid(lines, lines.arc[node], loop[node], above[node], step)
+    step = image_steps(lines, lines.arc[node], loop[node], above[node], tear)
+    return grid_of(lines, lines.arc[node], loop[node], above[node], step)
+
+
+def _strides(lines: Contours, stride: int) -> IntArray:
+    """(M,) contour points from node to node."""
+    return np.minimum(stride, np.maximum(np.diff(lines.start) // LEAST_NODES, 1))
 
 
 def _followed_images(
@@ -178,7 +200,7 @@ def _followed_images(
     above = np.full(len(node), np.nan)
     above[searched] = image = _images(lines, projector, node[searched], usable)
     arc, loop = lines.arc[node[searched]], lines.loop[node[searched]]
-    step = _steps(lines, arc, loop, image, tear)
+    step = image_steps(lines, arc, loop, image, tear)
     ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
     length = np.mod(arc[ahead] - arc, lines.length[loop])
     owner = np.cumsum(searched) - 1
@@ -203,7 +225,7 @@ def _images(lines: Contours, projector: Projector, point: IntArray, usable: Bool
     return above
 
 
-def _steps(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, tear: float) -> FloatArray:
+def image_steps(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, tear: float) -> FloatArray:
     """Way from each image to the next along the contour above, the shorter way round; NaN where the surface is torn."""
     ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
     has = ~np.isnan(above)
@@ -215,12 +237,13 @@ def _steps(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, 
     return np.where((up >= 0) & (up == up[ahead]) & (np.abs(step) <= own + tear), step, np.nan)
 
 
-def _grid(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, step: FloatArray) -> PhaseGrid:
+def grid_of(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, step: FloatArray) -> PhaseGrid:
+    """The grid of nodes with these arcs, contours, images and steps between images, all (K,)."""
     start = starts(np.bincount(loop, minlength=len(lines.layer)))
     ahead, behind = following(start), preceding(start)
     length = np.mod(arc[ahead] - arc, lines.length[loop])
     has = ~np.isnan(above)
-    low, share = _between(arc, start, length, lines, above[has])
+    low, share = between(arc, start, length, lines, above[has])
     full_low, full_share = np.zeros(len(arc), dtype=np.int64), np.zeros(len(arc))
     full_low[has], full_share[has] = low, share
     return PhaseGrid(
@@ -236,10 +259,14 @@ def _grid(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, s
         low=full_low,
         high=ahead[full_low] if len(arc) else full_low,
         share=full_share,
+        span=np.where(has, lines.layer[loop[full_low]] - lines.layer[loop], 1.0),
+        shortest=length,
+        longest=length,
+        stands_for=np.ones(len(arc)),
     )
 
 
-def _between(
+def between(
     arc: FloatArray, start: IntArray, length: FloatArray, lines: Contours, place: FloatArray
 ) -> tuple[IntArray, FloatArray]:
     """The node before each place and the share of the way to the next one."""
@@ -252,4 +279,4 @@ def _between(
 
 def on_grid(grid: PhaseGrid, lines: Contours, finer: PhaseGrid) -> tuple[IntArray, FloatArray]:
     """Where the nodes of a finer grid lie on this one: the node before each, and the share of the way to the next."""
-    return _between(grid.arc, grid.start, grid.length, lines, finer.arc)
+    return between(grid.arc, grid.start, grid.length, lines, finer.arc)

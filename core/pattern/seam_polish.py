@@ -5,24 +5,28 @@ phase from sample to sample (paper, section 6.4), and whether it is seen. Here t
 
     Σ dᵖ / (dᵖ + d₀ᵖ) + α d
 
-over contour points and their images on the layer above: the first term counts what is seen, the sharper the larger p
-is, the second keeps what is not from growing. A step is a Gauss-Newton step with the diagonal alone and some momentum,
-cut to a few hundredths of a millimetre, and after it spacings are pushed back into their bounds. The best of all steps
-is kept. Where time is taken for it, the count gets sharper stage by stage, at points twice as dense, each projected.
+over places on the contours and their images on the layer above: the first term counts what is seen, the sharper the
+larger p is, the second keeps what is not from growing. A step is a Gauss-Newton step with the diagonal alone and some
+momentum, cut to a few hundredths of a millimetre; every few steps spacings are pushed back into their bounds, and the
+diagonal is worked out anew. The best of what is met then is kept.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import following, preceding
+from ..slicing.outlines import following, preceding, ranges
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid
 from .sampling import Projector, Samples
 from .spacing import bounded, pushed
+
+Singles = NDArray[np.float32]
 
 UNSEEN_COST = 0.03
 # The greatest length of a step in wavelengths, and what damps it, 1/mm².
@@ -30,6 +34,7 @@ LONGEST, DAMPING = 0.04, 2.0
 # Share of a step that the next one keeps on.
 MOMENTUM = 0.6
 VISIBLE = 0.5
+FULL = np.float32(2 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -37,13 +42,13 @@ class Stage:
     """Steps that count seams alike.
 
     Attributes:
-        steps: how many.
+        rounds: how many, each of a few steps.
         doublings: p is 2 to this power.
         half: d₀, the error that counts half.
         rate: the share of the Gauss-Newton step that is gone.
     """
 
-    steps: int
+    rounds: int
     doublings: int
     half: float
     rate: float
@@ -55,25 +60,26 @@ class Polish:
 
     Attributes:
         stages: one after the other.
-        seam: the error from which a place counts as part of a seam.
+        seam: sliding by which the error is greater than this somewhere in a wave makes a place part of a seam.
         around: how many samples around a seam may move.
-        exact: whether points between those of the contours count too, and all are projected one by one.
+        every: mm, how far apart the places are.
+        turn: steps between two looks at where all places are among the samples.
     """
 
     stages: tuple[Stage, ...]
     seam: float
     around: int
-    exact: bool = False
+    every: float
+    turn: int = 1
 
 
-@dataclass(frozen=True)
-class _Located:
-    """Places among the samples: the sample before, the place in its turn, the share of the way to the next, the gap."""
+@dataclass
+class _Pairs:
+    """P places and then their P images, the sample before each and how much a seam between each two matters."""
 
     before: IntArray
     place: FloatArray
-    share: FloatArray
-    gap: FloatArray
+    importance: Singles
 
 
 class _Waves:
@@ -82,36 +88,36 @@ class _Waves:
     def __init__(self, lines: Contours, samples: Samples) -> None:
         self.loop, self.start = samples.loop, samples.start
         self.length = lines.length
-        self.apart = 4 * float(lines.length.max())
+        self.arc_start = lines.arc_start
         self.place = samples.arc - lines.arc_start[samples.loop]
         self.ahead, self.behind = following(self.start), preceding(self.start)
         self.around = np.where(self.ahead <= np.arange(len(self.loop)), self.length[self.loop], 0.0)
 
-    def locate(self, place: FloatArray, loop: IntArray) -> _Located:
-        """Where places on contours lie among the samples."""
-        key = self.place + self.apart * self.loop
-        before = np.searchsorted(key, place + self.apart * loop, side="right") - 1
+    def gap(self) -> FloatArray:
+        """(S,) mm from each sample to the next."""
+        return np.asarray(self.place[self.ahead] - self.place + self.around)
+
+    def locate(self, arc: FloatArray, loop: IntArray) -> tuple[IntArray, FloatArray]:
+        """The sample before each of places on contours, and how far these lie from the contour's beginning, mm.
+
+        Places before a contour's first sample lie in its last wave, one turn farther on.
+        """
+        before = np.searchsorted(self.place + self.arc_start[self.loop], arc, side="right") - 1
         wrapped = before < self.start[loop]
         before = np.where(wrapped, self.start[loop + 1] - 1, before)
-        turned = place + np.where(wrapped, self.length[loop], 0.0)
-        return self.followed(_Located(before, turned, turned, turned))
+        return before, arc - self.arc_start[loop] + np.where(wrapped, self.length[loop], 0.0)
 
-    def followed(self, last: _Located) -> _Located:
-        """The same places after samples have moved, by less than a spacing."""
-        gap = self.place[self.ahead] - self.place + self.around
-        before, place = last.before, last.place
-        along, here = place - self.place[before], gap[before]
-        astray = np.flatnonzero((along < 0) | (along >= here))
-        if len(astray):
-            early = along[astray] < 0
-            old = before[astray]
-            new = np.where(early, self.behind[old], self.ahead[old])
-            # Over the contour's beginning the place is one turn farther or nearer.
-            turn = np.where(early, self.around[new], -self.around[old])
-            before, place = before.copy(), place.copy()
-            before[astray], place[astray] = new, place[astray] + turn
-            along, here = place - self.place[before], gap[before]
-        return _Located(before, place, np.clip(along / here, 0.0, 1.0), here)
+    def follow(self, pairs: _Pairs) -> None:
+        """Find the samples before all places anew after samples have moved, by less than a spacing."""
+        along = pairs.place - self.place.take(pairs.before)
+        gap = self.gap().take(pairs.before)
+        astray = np.flatnonzero((along < 0) | (along >= gap))
+        early = along[astray] < 0
+        old = pairs.before[astray]
+        new = np.where(early, self.behind[old], self.ahead[old])
+        # Over the contour's beginning the place is one turn farther or nearer.
+        pairs.place[astray] += np.where(early, self.around[new], -self.around[old])
+        pairs.before[astray] = new
 
 
 def polished(
@@ -126,132 +132,142 @@ def polished(
 
     Args:
         projector: made for the contours of all layers.
-        grid: the fine grid on them.
+        grid: of all layers.
         samples: at least one on each contour that the grid knows.
         weight: (N,) how much a seam at each contour point matters.
         effort: how much to do.
         settings: the wavelength is used.
     """
-    lines = projector.lines
+    lines, least = projector.lines, settings.wavelength
     waves = _Waves(lines, samples)
-    near, point = _near_seams(lines, grid, waves, effort)
-    if not len(point):
+    near, node = _near_seams(lines, grid, waves, effort)
+    if not len(node):
         return samples, 0.0
     # Only where everything that a sample shapes is among the pairs.
     free = near & near[waves.behind]
-    place, share = lines.arc[point], 1.0
-    if effort.exact:
-        place, point, share = np.concatenate([place, _midpoints(lines, point)]), np.tile(point, 2), 0.5
-        image = projector.above(projector.at(place), lines.layer[projector.loop[point]])
-    else:
-        image = grid.carried(lines, place, np.ones(len(point), dtype=bool))
-    lower, upper, counted = _pairs(lines, waves, place, image, free)
-    best, place = _settled(
-        waves, lower, upper, (share * weight[point[counted]]).astype(np.float32), free, effort, settings.wavelength
-    )
-    samples = Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + place, waves.loop, settings))
-    return samples, best / float(weight[np.diff(samples.start)[lines.loop] > 0].sum())
-
-
-def _settled(
-    waves: _Waves,
-    lower: _Located,
-    upper: _Located,
-    importance: FloatArray,
-    free: BoolArray,
-    effort: Polish,
-    least: float,
-) -> tuple[float, FloatArray]:
-    """Run all stages; how much is seen at best, and where the samples are then."""
+    pairs = _pairs(projector, grid, waves, node, free, weight, effort.every)
     best, best_place = np.inf, waves.place
     for stage in effort.stages:
         velocity = np.zeros(len(waves.place))
-        for step in range(stage.steps + 1):
-            lower, upper = waves.followed(lower), waves.followed(upper)
-            move, seen = _descent(waves, lower, upper, importance, stage)
-            if seen < best:
-                best, best_place = seen, waves.place
-            if step < stage.steps:
-                velocity = np.where(free, np.clip(MOMENTUM * velocity + move, -LONGEST * least, LONGEST * least), 0.0)
-                place = waves.place + velocity
-                waves.place = pushed(place, waves.loop, waves.start, waves.length, least)
-    return best, best_place
-
-
-def _midpoints(lines: Contours, point: IntArray) -> FloatArray:
-    """The places halfway from contour points to the next ones."""
-    end = np.append(lines.arc[1:], lines.arc_start[-1])
-    last = lines.start[1:] - 1
-    end[last] = lines.arc_start[1:]
-    return np.asarray((lines.arc[point] + end[point]) / 2)
+        for number in range(stage.rounds + 1):
+            waves.follow(pairs)
+            descent = _Descent(waves, pairs, stage)
+            if descent.seen < best:
+                best, best_place = descent.seen, waves.place
+            for _ in range(effort.turn if number < stage.rounds else 0):
+                velocity = np.where(free, MOMENTUM * velocity + descent.move(), 0.0)
+                velocity = np.minimum(np.maximum(velocity, -LONGEST * least), LONGEST * least)
+                waves.place = waves.place + velocity
+            waves.place = pushed(waves.place, waves.loop, waves.start, waves.length, least)
+    samples = Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + best_place, waves.loop, settings))
+    mean = lines.arc_start[-1] / len(lines.arc)
+    return samples, best / (mean * float(weight[(np.diff(samples.start) > 0)[projector.loop]].sum()))
 
 
 def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves, effort: Polish) -> tuple[BoolArray, IntArray]:
-    """Which samples are near a seam, and the contour points whose waves or images' waves they shape."""
+    """Which samples are near a seam, and the nodes on whose edges or their images are waves that they shape."""
     node = np.flatnonzero(grid.linked)
-    up = loop_of(lines, grid.above[node])
-    low = waves.locate(grid.arc[node] - lines.arc_start[grid.loop[node]], grid.loop[node])
-    high = waves.locate(grid.above[node] - lines.arc_start[up], up)
-    seam = (np.cos(2 * np.pi * low.share) - np.cos(2 * np.pi * high.share)) ** 2 > effort.seam
+    own, up = grid.loop[node], grid.loop[grid.low[node]]
+    gap = waves.gap()
+    low, place = waves.locate(grid.arc[node], own)
+    high, image = waves.locate(grid.above[node], up)
+    slide = (place - waves.place[low]) / gap[low] - (image - waves.place[high]) / gap[high]
+    seam = 4 * np.sin(np.pi * slide) ** 2 > effort.seam
     near = np.zeros(len(waves.place), dtype=bool)
-    near[low.before[seam]] = True
-    near[high.before[seam]] = True
+    near[low[seam]] = True
+    near[high[seam]] = True
     for _ in range(effort.around):
         near |= near[waves.ahead] | near[waves.behind]
     wanted = np.zeros(len(grid.arc), dtype=bool)
-    wanted[node] = near[low.before] | near[high.before]
-    wanted |= wanted[grid.behind] | wanted[grid.ahead]
-    before = np.searchsorted(grid.arc, lines.arc, side="right") - 1
-    loop = lines.loop
-    known = (before >= 0) & (np.diff(waves.start)[loop] > 0)
-    return near, np.flatnonzero(known & wanted[np.maximum(before, 0)])
+    wanted[node] = near[low] | near[high]
+    wanted |= wanted[grid.ahead]
+    return near, np.flatnonzero(wanted)
 
 
 def _pairs(
-    lines: Contours, waves: _Waves, place: FloatArray, image: FloatArray, free: BoolArray
-) -> tuple[_Located, _Located, IntArray]:
-    """Places and their images among the samples, and which they are; those that a free sample shapes."""
-    found = np.flatnonzero(~np.isnan(image))
-    found = found[np.diff(waves.start)[loop_of(lines, image[found])] > 0]
-    up, own = loop_of(lines, image[found]), loop_of(lines, place[found])
-    low = waves.locate(place[found] - lines.arc_start[own], own)
-    high = waves.locate(image[found] - lines.arc_start[up], up)
+    projector: Projector,
+    grid: PhaseGrid,
+    waves: _Waves,
+    node: IntArray,
+    free: BoolArray,
+    weight: FloatArray,
+    every: float,
+) -> _Pairs:
+    """Places on the edges from nodes and their images among the samples, those that a free sample shapes."""
+    lines = projector.lines
+    many = np.ceil(grid.length[node] / every).astype(np.int64)
+    share = (ranges(np.zeros(len(many), dtype=np.int64), many) + 0.5) / np.repeat(many, many)
+    node, each = np.repeat(node, many), np.repeat(grid.length[node] / many, many)
+    arc = grid.arc[node] + share * grid.length[node]
+    image = grid.above[node] + share * grid.step[node]
+    torn = np.flatnonzero(np.isnan(image))
+    image[torn] = projector.above(projector.at(arc[torn]), lines.layer[grid.loop[node[torn]]])
+    up = np.where(np.isnan(grid.step[node]), loop_of(lines, np.nan_to_num(image)), grid.loop[grid.low[node]])
+    image = lines.arc_start[up] + np.mod(image - lines.arc_start[up], lines.length[up])
+    found = np.flatnonzero(~np.isnan(image) & (np.diff(waves.start)[up] > 0))
+    low, place = waves.locate(arc[found], grid.loop[node[found]])
+    high, _ = waves.locate(image[found], up[found])
     shaped = free | free[waves.ahead]
-    some = np.flatnonzero(shaped[low.before] | shaped[high.before])
-    return (
-        _Located(low.before[some], low.place[some], low.share[some], low.gap[some]),
-        _Located(high.before[some], high.place[some], high.share[some], high.gap[some]),
-        found[some],
-    )
+    some = np.flatnonzero(shaped[low] | shaped[high])
+    found, low, place = found[some], low[some], place[some]
+    # Between nodes the image is near the line between theirs.
+    image, distance = projector.nearby(projector.at(arc[found]), image[found])
+    some = np.flatnonzero(distance <= projector.threshold)
+    found, low, place = found[some], low[some], place[some]
+    high, above = waves.locate(image[some], up[found])
+    matters = weight[np.searchsorted(lines.arc, arc[found], side="right") - 1] * each[found]
+    return _Pairs(np.concatenate([low, high]), np.concatenate([place, above]), matters.astype(np.float32))
 
 
-def _descent(
-    waves: _Waves, low: _Located, high: _Located, importance: FloatArray, stage: Stage
-) -> tuple[FloatArray, float]:
-    """How far each sample should move, mm, and how much is seen now."""
-    size = len(waves.place)
-    # Single precision is plenty for which way to go, and its sines are cheap.
-    full = np.float32(2 * np.pi)
-    share, high_share = low.share.astype(np.float32), high.share.astype(np.float32)
-    turn, high_turn = full * share, full * high_share
-    difference = np.cos(turn) - np.cos(high_turn)
-    error = difference**2
-    seen = float(importance[error >= VISIBLE].sum(dtype=float))
-    slope = 2 * importance * (_sharpness(error, stage) + UNSEEN_COST)
-    pull, stiffness = np.zeros(size), np.zeros(size)
-    for place, part, rise in ((low, share, np.sin(turn)), (high, high_share, -np.sin(high_turn))):
-        rise *= full / place.gap.astype(np.float32)
-        ahead, before = rise * part, rise - rise * part
-        weighted = slope * ahead
-        pull += np.bincount(place.before, weighted * difference, size)[waves.behind]
-        stiffness += np.bincount(place.before, weighted * ahead, size)[waves.behind]
-        weighted = slope * before
-        pull += np.bincount(place.before, weighted * difference, size)
-        stiffness += np.bincount(place.before, weighted * before, size)
-    return -stage.rate * pull / (stiffness + DAMPING), seen
+class _Descent:
+    """A few steps, in which no place comes to lie between other samples; in single precision, which is plenty."""
+
+    def __init__(self, waves: _Waves, pairs: _Pairs, stage: Stage) -> None:
+        self.waves, self.pairs, self.stage = waves, pairs, stage
+        share, gap = self._shares()
+        # How much a place's share falls for each mm that the sample after it goes, and the one before it.
+        self.after = share / gap
+        self.own = 1 / gap - self.after
+        difference, rise = self._rise(share)
+        error = difference**2
+        self.seen = float(pairs.importance @ (error >= VISIBLE))
+        slope = np.tile(self._slope(error), 2)
+        slope *= rise**2
+        self.damped = self._summed(slope * self.own**2, slope * self.after**2) + DAMPING
+
+    def move(self) -> FloatArray:
+        """(S,) mm that each sample should move."""
+        difference, rise = self._rise(self._shares()[0])
+        rise *= np.tile(self._slope(difference**2) * difference, 2)
+        return -self.stage.rate * self._summed(rise * self.own, rise * self.after) / self.damped
+
+    def _shares(self) -> tuple[Singles, Singles]:
+        """(2 P,) how far each place lies on the way from the sample before to the next, and the mm between these."""
+        gap = self.waves.gap().astype(np.float32).take(self.pairs.before)
+        along = self.pairs.place - self.waves.place.take(self.pairs.before)
+        return along.astype(np.float32) / gap, gap
+
+    def _rise(self, share: Singles) -> tuple[Singles, Singles]:
+        """(P,) t₁ − t₂ and (2 P,) how fast it rises as either share falls."""
+        share *= FULL
+        low, high = np.split(np.cos(share), 2)
+        rise = FULL * np.sin(share)
+        rise[len(low) :] *= -1
+        return low - high, rise
+
+    def _slope(self, error: Singles) -> Singles:
+        """(P,) twice how fast what counts grows with the error."""
+        return 2 * self.pairs.importance * (sharpness(error, self.stage) + UNSEEN_COST)
+
+    def _summed(self, own: Singles, after: Singles) -> FloatArray:
+        """(S,) what acts on each sample, from the places after it and from those before it."""
+        size = len(self.waves.place)
+        return (
+            np.bincount(self.pairs.before, own, size) + np.bincount(self.pairs.before, after, size)[self.waves.behind]
+        )
 
 
-def _sharpness(error: FloatArray, stage: Stage) -> FloatArray:
+def sharpness(error: Singles, stage: Stage) -> Singles:
     """How fast what counts as seen grows with the error."""
     power = error / np.float32(stage.half)
     lower = np.full_like(error, 2**stage.doublings / stage.half)

@@ -17,6 +17,9 @@ INSIDE = 5e-4
 
 def in_order(local: FloatArray, loop: IntArray) -> tuple[FloatArray, IntArray]:
     """Samples sorted by loop and place."""
+    onward = loop[1:] > loop[:-1]
+    if (onward | ((loop[1:] == loop[:-1]) & (local[1:] >= local[:-1]))).all():
+        return local, loop
     order = np.lexsort((local, loop))
     return local[order], loop[order]
 

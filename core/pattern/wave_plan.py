@@ -29,9 +29,6 @@ from ..settings import PrintSettings
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, on_grid
 
-# Grids of every so many layers, every so many nodes and the steps on each; last that of all layers.
-SPANS = ((16, 8, 100), (4, 6, 100), (2, 4, 150))
-STEPS = 25
 # Steps of each further search, where the plan left too many seams.
 MORE_STEPS = 400
 # It takes so many times as many where births and deaths cost more in some places than in others, as they move farther.
@@ -48,6 +45,19 @@ UNEVEN_COST = 0.002
 SETTLED = 1e-5
 # The plan keeps this share away from the bounds on the spacing.
 MARGIN = 0.05
+
+
+@dataclass(frozen=True)
+class Search:
+    """How long to search.
+
+    Attributes:
+        spans: grids of every so many layers, every so many nodes of them, and the steps on each.
+        steps: on the grid that is planned on.
+    """
+
+    spans: tuple[tuple[int, int, int], ...]
+    steps: int
 
 
 @dataclass(frozen=True)
@@ -102,35 +112,45 @@ class _Curl:
         return waves, self.whole + self.whole.take(self.behind)
 
 
-def planned(lines: Contours, fine: PhaseGrid, grid: PhaseGrid, weight: FloatArray, settings: PrintSettings) -> WavePlan:
+def planned(
+    lines: Contours,
+    fine: PhaseGrid,
+    grid: PhaseGrid,
+    layers: int,
+    search: Search,
+    weight: FloatArray,
+    settings: PrintSettings,
+) -> WavePlan:
     """The plan with the fewest births and deaths.
 
     Args:
         lines: the contours.
-        fine: the finest grid on them.
+        fine: a grid of all layers.
         grid: the grid of K nodes to plan on.
+        layers: how many it goes by.
+        search: how long to search.
         weight: (K,) what a birth or a death above the edge from each node costs, 1 as a rule.
         settings: the wavelength is used.
     """
-    grids, spanned = [(grid, 1)], 1
-    for layers, stride, _ in reversed(SPANS):
-        fine, spanned = fine.spanning(lines, layers, spanned), layers
-        grids.insert(0, (fine.every(lines, stride), layers))
+    grids, spanned = [(grid, layers)], 1
+    for span, stride, _ in reversed(search.spans):
+        fine, spanned = fine.spanning(lines, span, spanned, span * settings.wavelength / 2), span
+        grids.insert(0, (fine.every(lines, stride), span))
     first = grids[0][0]
     none = np.zeros(len(first.arc))
     plan = WavePlan(first.length / (settings.wavelength * np.sqrt(2)), none, none, 0.0)
-    for number, (span, layers) in enumerate(grids):
+    counts = [steps for _, _, steps in search.spans] + [search.steps]
+    for number, ((coarse, span), steps) in enumerate(zip(grids, counts, strict=True)):
         if number:
-            plan = _taken_over(lines, span, layers, *grids[number - 1], plan)
-        node, _ = on_grid(grid, lines, span)
-        steps = (SPANS[number][2] if number < len(SPANS) else STEPS) * (WEIGHTED_STEPS if _uneven(weight) else 1)
-        plan = _solved(span, weight[node], plan, layers * SLIDE, steps, settings)
+            plan = _taken_over(lines, coarse, span, *grids[number - 1], plan)
+        node, _ = on_grid(grid, lines, coarse)
+        plan = _solved(coarse, weight[node], plan, steps * (WEIGHTED_STEPS if _uneven(weight) else 1), settings)
     return plan
 
 
 def planned_further(grid: PhaseGrid, plan: WavePlan, weight: FloatArray, settings: PrintSettings) -> WavePlan:
     """A plan with fewer births and deaths, for several times the work; arguments as of `planned`, and its plan."""
-    return _solved(grid, weight, plan, SLIDE, MORE_STEPS, settings)
+    return _solved(grid, weight, plan, MORE_STEPS, settings)
 
 
 def _taken_over(
@@ -168,15 +188,15 @@ def _solved(
     grid: PhaseGrid,
     weight: FloatArray,
     first: WavePlan,
-    most_slide: float,
     steps: int,
     settings: PrintSettings,
 ) -> WavePlan:
     """So many steps of the primal-dual method from a first guess."""
     share = WEIGHTED_SHARE if _uneven(weight) else PRIMAL_SHARE
-    least = grid.length / (2 * settings.wavelength) * (1 + MARGIN)
-    most = grid.length / settings.wavelength * (1 - MARGIN)
+    least = grid.longest / (2 * settings.wavelength) * (1 + MARGIN)
+    most = grid.shortest / settings.wavelength * (1 - MARGIN)
     usual = grid.length / (settings.wavelength * np.sqrt(2))
+    most_slide = SLIDE * grid.span
     waves, slide, level = np.clip(first.waves, least, most), first.slide.copy(), first.level
     curl = _Curl(grid)
     if not len(curl.edge):
@@ -184,16 +204,17 @@ def _solved(
     bound = weight * curl.whole
     dual_step = 1 / curl.row_sums() / share
     by_waves, by_slide = curl.column_sums()
+    mean = grid.stands_for / grid.stands_for.mean()
     # One more row holds the number of all waves, so that the mean spacing stays what it should be.
-    waves_step, slide_step = share / (by_waves + 1), share / np.maximum(by_slide, 1)
-    dual, total, uneven = first.price * curl.whole, float(usual.sum()), UNEVEN_COST / usual
+    waves_step, slide_step = share / (by_waves + mean), share / np.maximum(by_slide, 1)
+    dual, total, uneven = first.price * curl.whole, float(mean @ usual), UNEVEN_COST / usual
     keep = 1 / (1 + waves_step * uneven)
     waves_step, slide_keep = waves_step * keep, 1 / (1 + slide_step * SLIDE_COST)
     slide_step = slide_step * slide_keep
     value = curl(waves, slide)
     for number in range(steps):
         pull_waves, pull_slide = curl.transposed(dual)
-        pull_waves += level - UNEVEN_COST
+        pull_waves += level * mean - UNEVEN_COST
         new_waves = keep * waves
         new_waves -= np.multiply(waves_step, pull_waves, out=pull_waves)
         np.minimum(np.maximum(new_waves, least, out=new_waves), most, out=new_waves)
@@ -208,7 +229,7 @@ def _solved(
         np.minimum(np.maximum(new_dual, -bound, out=new_dual), bound, out=new_dual)
         if number % 20 == 19 and max(_moved(new_waves, waves), _moved(new_dual, dual)) < SETTLED:
             break
-        level += OVER_RELAXATION / share * (2 * float(new_waves.sum()) - float(waves.sum()) - total) / len(waves)
+        level += OVER_RELAXATION / share * (2 * float(mean @ new_waves) - float(mean @ waves) - total) / len(waves)
         for old, new in ((waves, new_waves), (slide, new_slide), (dual, new_dual), (value, new_value)):
             old *= 1 - OVER_RELAXATION
             old += OVER_RELAXATION * new

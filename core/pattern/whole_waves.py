@@ -57,10 +57,12 @@ class Phase:
         return np.asarray(self.value[node] * (1 - share) + ahead * share)
 
 
-def feasible_turns(lines: Contours, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
-    """(M,) fewest and (M,) most waves that each contour holds with a spacing in [λ, 2λ)."""
-    most = np.floor(lines.length / settings.wavelength + 1e-9)
-    return np.floor(lines.length / (2 * settings.wavelength)) + 1, most
+def feasible_turns(grid: PhaseGrid, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
+    """(M,) fewest and (M,) most waves that each contour, and those between the layers of the grid, hold."""
+    most = np.floor(sums(grid.shortest, grid.start) / settings.wavelength + 1e-9)
+    fewest = np.floor(sums(grid.longest, grid.start) / (2 * settings.wavelength)) + 1
+    # A short contour that is much longer or shorter than those between has at least the waves that it holds itself.
+    return np.minimum(fewest, np.maximum(most, 2)), np.maximum(most, 2)
 
 
 def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, settings: PrintSettings) -> Phase:
@@ -72,7 +74,7 @@ def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, settings: PrintSet
         plan: waves and slides in fractions.
         settings: the wavelength is used.
     """
-    work = _Rounding(lines, grid, plan, settings)
+    work = _Rounding(grid, plan, settings)
     cuts = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2)).tolist()
     for begin, end in pairwise(cuts):
         work.layer(begin, end)
@@ -144,9 +146,9 @@ class _Rounding:
     `excess` counts the waves that these layers have more than planned, `left` those planned for the others.
     """
 
-    def __init__(self, lines: Contours, grid: PhaseGrid, plan: WavePlan, settings: PrintSettings) -> None:
+    def __init__(self, grid: PhaseGrid, plan: WavePlan, settings: PrintSettings) -> None:
         self.grid = grid
-        self.fewest, self.most = feasible_turns(lines, settings)
+        self.fewest, self.most = feasible_turns(grid, settings)
         self.total = sums(plan.waves, grid.start)
         self.plain = _before(plan.waves) - _before(self.total)[grid.loop]
         self.way = self.plain / np.maximum(self.total, 1e-9)[grid.loop]
@@ -154,7 +156,8 @@ class _Rounding:
         self.stray = np.clip(STRAY * self.total, *STRAYS)[self.handed.contour][self.handed.owner]
         self.lack = np.zeros(len(grid.arc))
         self.turns = np.clip(np.rint(self.total), self.fewest, self.most) * (np.diff(grid.start) > 0)
-        self.excess, self.left = 0.0, float(self.total.sum())
+        self.stands_for = sums(grid.stands_for, grid.start) / np.maximum(np.diff(grid.start), 1)
+        self.excess, self.left = 0.0, float(self.stands_for @ self.total)
 
     def layer(self, begin: int, end: int) -> None:
         """Fix the phase on the contours from `begin` to the one before `end`, those of one layer."""
@@ -165,8 +168,8 @@ class _Rounding:
             first = handed.start[known.start]
             value = self._carried(known, slice(first, handed.start[known.stop]))
         more = self.turns[begin:end] - self.total[begin:end]
-        self.excess += float(more.sum())
-        self.left -= float(self.total[begin:end].sum())
+        self.excess += float(self.stands_for[begin:end] @ more)
+        self.left -= float(self.stands_for[begin:end] @ self.total[begin:end])
         more = more[grid.loop[nodes] - begin]
         ramp = self.way[nodes] * more
         self.lack[nodes] = ramp

@@ -1,0 +1,153 @@
+"""A phase grid of every few layers, and the phase of the waves on the layers between.
+
+From a layer to the next the phase hardly changes, so that most of what the optimised sampling looks for is found on
+every few layers. Contours between them whose nodes do not all lead to one of these layers, or whose length changes too
+fast on the way, are kept as well; on the others the phase follows from that of the layer above them: sliding is shared
+evenly by the layers that it goes through.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray
+from ..slicing.outlines import sums
+from .contours import Contours, loop_of
+from .phase_grid import PhaseGrid, between, grid_of, image_steps
+from .whole_waves import Phase
+
+# A contour is kept where its images on the layer that is kept are longer or shorter by this share.
+STEEP = 0.3
+# Lengths of edges between the layers count at most this much less or more than that of the edge they lead to.
+LEAST_RATIO = 0.75
+# Edges shorter than this share of their own length where they lead to say nothing.
+SHRUNK = 0.3
+# Where more than so many times the usual number of waves would rise between two nodes the surface is torn.
+MOST_RISE = 3
+
+
+@dataclass(frozen=True)
+class FewerLayers:
+    """A grid of all layers and one of fewer.
+
+    Attributes:
+        all: K nodes.
+        few: those of them on contours that are kept.
+        kept: (K,) which these are.
+        place: (K,) mm, where the others lie on contours that are kept: the arcs of their images.
+    """
+
+    all: PhaseGrid
+    few: PhaseGrid
+    kept: BoolArray
+    place: FloatArray
+
+    def everywhere(self, lines: Contours, phase: Phase) -> Phase:
+        """The phase on all layers, from that on the grid of fewer."""
+        grid, few = self.all, self.few
+        node = np.flatnonzero(~self.kept)
+        low, share = between(few.arc, few.start, few.length, lines, self.place[node])
+        up = np.full(len(grid.arc), -1)
+        high, slid = np.zeros(len(grid.arc)), np.zeros(len(grid.arc))
+        up[node] = few.loop[low]
+        high[node] = phase.at(low, share, few)
+        slid[node] = self._slides(phase, self.place[node], up[node]) * (
+            lines.layer[up[node]] - lines.layer[grid.loop[node]]
+        )
+        # What rises between two nodes where they lead to, if that is one contour; else what is usual.
+        way = np.where(self.kept, 0.0, self.place)
+        way = way[grid.ahead] - way
+        over = np.rint(way / lines.length[up])
+        expected = high[grid.ahead] - high - over * phase.turns[up] - slid[grid.ahead] + slid
+        usual = grid.length * (phase.turns.sum() / few.length.sum())
+        whole = (up == up[grid.ahead]) & (expected > 0) & (expected < MOST_RISE * usual + 1)
+        value = high - slid
+        rise = value[grid.ahead] - value
+        rise -= np.rint(rise - np.where(whole, expected, usual))
+        rise[self.kept] = phase.waves(few)
+        value[self.kept] = phase.value
+        climbed = np.cumsum(rise) - rise
+        first = grid.start[grid.loop]
+        turns = np.rint(sums(rise, grid.start)).astype(np.int64)
+        return Phase(value[first] + climbed - climbed[first], turns)
+
+    def _slides(self, phase: Phase, place: FloatArray, loop: IntArray) -> FloatArray:
+        """(Q,) by how much the waves slide in each layer just below places on contours (Q,) that are kept."""
+        few = self.few
+        source = np.flatnonzero(few.linked)
+        source = source[np.argsort(few.above[source], kind="stable")]
+        if not len(source):
+            return np.zeros(len(place))
+        slide = phase.at(few.low[source], few.share[source], few) - phase.value[source]
+        slide = (slide - np.rint(slide)) / few.span[source]
+        arrival, arrived = few.above[source], few.loop[few.low[source]]
+        after = np.searchsorted(arrival, place, side="right")
+        before, after = np.maximum(after - 1, 0), np.minimum(after, len(source) - 1)
+        from_before, from_after = arrived[before] == loop, arrived[after] == loop
+        share = np.clip((place - arrival[before]) / np.maximum(arrival[after] - arrival[before], 1e-9), 0.0, 1.0)
+        share = np.where(from_before, np.where(from_after, share, 0.0), 1.0)
+        mixed = slide[before] * (1 - share) + slide[after] * share
+        return np.where(from_before | from_after, mixed, 0.0)
+
+
+def fewer_layers(lines: Contours, grid: PhaseGrid, layers: int, tear: float) -> FewerLayers:
+    """Keep every so many layers, counted from the top; neighbours whose images lie `tear` mm farther apart are torn."""
+    below = int(lines.layer.max(initial=0)) - lines.layer
+    kept = below % layers == 0
+    place, up = grid.above.copy(), grid.loop[grid.low]
+    for number in range(1, layers + 1):
+        node = np.flatnonzero((below % layers == number % layers)[grid.loop])
+        onward = node[grid.linked[node] & ~kept[up[node]]]
+        place[onward] = _through(lines, grid, place, onward, tear)
+        if number < layers:
+            kept[_lost(lines, grid, node, place[node], tear)] = True
+    stay = kept[grid.loop]
+    node = np.flatnonzero(stay)
+    arc, loop, above = grid.arc[node], grid.loop[node], place[node]
+    few = grid_of(lines, arc, loop, above, image_steps(lines, arc, loop, above, tear))
+    return FewerLayers(grid, _with_extremes(lines, grid, few, stay, place, tear), stay, place)
+
+
+def _through(lines: Contours, grid: PhaseGrid, place: FloatArray, node: IntArray, tear: float) -> FloatArray:
+    """Where nodes arrive if what is above them arrives at `place` (K,)."""
+    low, share = grid.low[node], grid.share[node]
+    begin, end = place[low], place[grid.ahead[low]]
+    loop = loop_of(lines, np.nan_to_num(begin))
+    length, first = lines.length[loop], lines.arc_start[loop]
+    step = end - begin
+    step -= length * np.rint(np.nan_to_num(step) / length)
+    whole = (np.abs(step) <= grid.length[low] + tear) & (loop == loop_of(lines, np.nan_to_num(end)))
+    onward = first + np.mod(begin + share * step - first, length)
+    return np.where(whole, onward, np.where(share < 0.5, begin, end))
+
+
+def _lost(lines: Contours, grid: PhaseGrid, node: IntArray, place: FloatArray, tear: float) -> IntArray:
+    """The contours of nodes of which some arrive at no `place` (Q,), or whose length changes fast on the way."""
+    loop, size = grid.loop[node], len(lines.layer)
+    step = np.abs(image_steps(lines, grid.arc[node], loop, place, tear))
+    missing = np.bincount(loop, np.isnan(place), size) > 0
+    length = np.bincount(loop, np.where(np.isnan(step), 0.0, grid.length[node]), size)
+    change = np.bincount(loop, np.nan_to_num(step), size) - length
+    return np.flatnonzero(missing | (np.abs(change) > STEEP * length))
+
+
+def _with_extremes(
+    lines: Contours, grid: PhaseGrid, few: PhaseGrid, kept: BoolArray, place: FloatArray, tear: float
+) -> PhaseGrid:
+    """The grid of fewer layers with what its edges have to hold on the layers between, too."""
+    node = np.flatnonzero(~kept)
+    step = np.abs(image_steps(lines, grid.arc[node], grid.loop[node], place[node], tear))
+    some = np.flatnonzero(step > SHRUNK * grid.length[node])
+    ratio = grid.length[node[some]] / step[some]
+    ends = (place[node[some]], place[grid.ahead[node[some]]])
+    shortest, longest, many = np.ones(len(few.arc)), np.ones(len(few.arc)), np.full(len(few.arc), 2.0)
+    for end in ends:
+        low = np.searchsorted(few.arc, end, side="right") - 1
+        np.minimum.at(shortest, low, ratio)
+        np.maximum.at(longest, low, ratio)
+        many += np.bincount(low, minlength=len(few.arc))
+    shortest = few.length * np.maximum(shortest, LEAST_RATIO)
+    longest = few.length * np.minimum(longest, 1 / LEAST_RATIO)
+    return replace(few, shortest=shortest, longest=longest, stands_for=many / 2)
