@@ -8,11 +8,12 @@ evenly by the layers that it goes through.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..records import dataclass
 from ..slicing.outlines import sums
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, between, grid_of, image_steps
