@@ -54,7 +54,7 @@ def line_warnings(settings: PrintSettings) -> list[str]:
 def _narrow_side(foot: shapely.Geometry) -> float:
     """Mm, the narrow side of the narrowest rectangle around a foot; 0 where nothing stands on the bed."""
     around = shapely.oriented_envelope(foot)
-    if shapely.get_dimensions(around) < 2:
+    if around.is_empty or shapely.get_dimensions(around) < 2:
         return 0.0
     sides = np.diff(shapely.get_coordinates(around)[:3], axis=0)
     return float(np.hypot(*sides.T).min())

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from dualcolor.commands.terminal import summary
 from dualcolor.core.footing import footing_warnings, line_warnings
 from dualcolor.core.pipeline import generate
@@ -45,6 +46,12 @@ def test_each_object_of_a_plate_has_its_own_foot():
     mesh = replace(result.mesh, face_object=np.repeat([0, 1], 12))
     (text,) = footing_warnings(mesh, ["pin", "brick"], result.slices.regions[0], PLAN)
     assert text.startswith("pin is 20 mm high")
+
+
+@pytest.mark.parametrize("nothing", [shapely.Polygon(), shapely.MultiPolygon()])
+def test_an_object_of_which_nothing_stands_on_the_bed_has_no_foot(nothing):
+    mesh = generate(box((0, 0, 0), (2, 6, 30)), PLAN).mesh
+    assert footing_warnings(mesh, ["needle"], nothing, PLAN) == []
 
 
 @pytest.mark.parametrize(
