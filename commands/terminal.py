@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
+from ..core.wording import counted
+
 if TYPE_CHECKING:
     from ..core.pipeline import DualColorPrint
 
@@ -40,16 +42,12 @@ def summary(result: DualColorPrint) -> list[str]:
     count = len(report["objects"])
     name = f"{result.name}, plate of {count} objects" if count > 1 else result.name
     return [
-        f"{name}: {size} mm, {_number(report['layers'], 'layer')}, {_number(report['tool_changes'], 'tool change')}",
+        f"{name}: {size} mm, {counted(report['layers'], 'layer')}, {counted(report['tool_changes'], 'tool change')}",
         f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
         f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
         *([_solid_regions(report["solid_regions"])] if "solid_regions" in report else []),
         *(f"warning: {warning}" for warning in result.warnings),
     ]
-
-
-def _number(count: int, of: str) -> str:
-    return f"{count} {of}" if count == 1 else f"{count} {of}s"
 
 
 def _solid_regions(solid: dict[str, float]) -> str:

@@ -44,6 +44,7 @@ class PrintedPaths:
         inner: fill and supports.
         around: skirt or brim, tower, shield and raft.
         within: where travels may go.
+        hanging: where walls may hang over air.
         moves: the print in order.
         thin: features too thin for a wall, worked out beside the stages.
         single_color: what is known of the same object in one colour, worked out beside the stages.
@@ -52,6 +53,7 @@ class PrintedPaths:
     inner: Paths
     around: Paths
     within: Rooms
+    hanging: Undersides | None
     moves: Moves
     thin: Future[ThinFeatures]
     single_color: Future[SingleColor]
@@ -84,13 +86,13 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
     below = (hanging.result(), known.outlines)
     moves = run("toolpaths", _moves, outer, inner, around.result(), cut.layers, within, *below, settings)
-    return PrintedPaths(inner, around.result(), within, moves, thin, alone)
+    return PrintedPaths(inner, around.result(), within, hanging.result(), moves, thin, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
     """The print with each layer's whole wall in the layer's own colour, to tell what the tool changes cost."""
     outer = outer_wall_paths(replace(wall.outlines, swapped=None))
-    below = (undersides(wall.mesh, wall.cut.layers.plane, settings), wall.closing.result().outlines)
+    below = (paths.hanging, wall.closing.result().outlines)
     return _moves(outer, paths.inner, paths.around, wall.cut.layers, paths.within, *below, settings)
 
 

@@ -304,6 +304,11 @@ class PrintSettings:
         """Whether nothing is printed inside but walls and skins."""
         return self.infill_density <= 0.0
 
+    @property
+    def wave_crest(self) -> float:
+        """How far waves stand out of the outline at most, mm."""
+        return 0.0 if self.pattern == "offset" else self.wave_depth_max / 2
+
     def as_dict(self) -> dict[str, Any]:
         """All settings by name, JSON-ready."""
         return {declared.name: getattr(self, declared.name) for declared in fields(self)}

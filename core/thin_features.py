@@ -14,6 +14,7 @@ from .records import dataclass
 from .settings import PrintSettings
 from .slicing.planes import line_widths
 from .slicing.slices import Slices
+from .wording import counted
 
 _SIMPLIFY_MM = 0.02
 _SMALLEST = 0.5  # area in squares of the line width: the tips of sharp corners are no features
@@ -109,7 +110,7 @@ def thin_warnings(report: dict[str, Any], settings: PrintSettings) -> list[str]:
         return []
     largest = report["places"][0]
     noun, verb = ("feature", "holds") if report["count"] == 1 else ("features", "hold")
-    layers = "1 layer" if report["layers"] == 1 else f"{report['layers']} layers"
+    layers = counted(report["layers"], "layer")
     least = 2 * LEAST_WIDTH * settings.extrusion_width
     return [
         f"{report['count']} {noun} thinner than {least:.2f} mm {verb} no wall: {report['length_mm']:.0f} mm in "

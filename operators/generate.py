@@ -14,6 +14,7 @@ from ..core.model import SurfaceModel
 from ..core.pipeline import DualColorPrint, steps
 from ..core.progress import Progress, retold
 from ..core.settings import PrintSettings
+from ..core.wording import counted
 from .job import JobOperator, Steps
 from .polls import has_printable
 from .viewing import make_active, show_in_local_views
@@ -68,9 +69,8 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
 
 def with_warnings(message: str, result: DualColorPrint) -> str:
     """A message about a print that also tells of its warnings: only the last one stays in sight."""
-    count = len(result.warnings)
-    said = f"; {count} warning{'s' if count > 1 else ''}, see the results in the sidebar" if count else ""
-    return message + said
+    found = counted(len(result.warnings), "warning")
+    return f"{message}; {found}, see the results in the sidebar" if result.warnings else message
 
 
 def names_of(result: DualColorPrint) -> str:

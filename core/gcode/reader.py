@@ -12,6 +12,7 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..toolpaths.moves import Feature, Moves
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
+from ..wording import counted
 from .texts import read_back
 from .words import LETTERS, Words, read_words
 
@@ -57,8 +58,7 @@ class ReadPrint:
         lays = np.flatnonzero(self.moves.extrudes)
         step = self.moves.position[lays] - self.moves.position[np.maximum(lays - 1, 0)]
         metres = float(np.sqrt(np.einsum("ij,ij->i", step, step)).sum()) / 1000
-        layers = len(np.unique(self.moves.layer[lays]))
-        return f"{layers} {'layer' if layers == 1 else 'layers'}, {metres:.1f} m of strands"
+        return f"{counted(len(np.unique(self.moves.layer[lays])), 'layer')}, {metres:.1f} m of strands"
 
 
 def read_gcode(data: bytes, name: str) -> ReadPrint:

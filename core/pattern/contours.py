@@ -206,7 +206,7 @@ def _inset(
 
 def reach_of(settings: PrintSettings) -> Reach:
     """As far as anything moves a line, rounded up, so that contours can be kept where that changes by little."""
-    wave = 0.0 if settings.pattern == "offset" else settings.wave_depth_max / 2
+    wave = settings.wave_crest
     solid = 0.0 if settings.solid_regions == "none" else settings.solid_set_back
     air = OPEN_AIR if wave and settings.hide_seams else 0.0
     inwards, outwards = wave + max(settings.offset_max, solid), max(wave, air)

@@ -52,8 +52,7 @@ class PhaseFit:
         reach = (grid.length + grid.length[grid.behind]) / 2
         usual = float(np.median(reach)) if len(reach) else 1.0
         self.weight = weight * np.clip(reach / usual, 0.05, 3.0) * linked
-        self.least = grid.longest / (2 * settings.wavelength) * (1 + MARGIN)
-        self.most = grid.shortest / settings.wavelength * (1 - MARGIN)
+        self.least, self.most = grid.bounds(settings.wavelength, MARGIN)
         self.target = grid.length / (settings.wavelength * np.sqrt(2))
         self.visible = VISIBLE * grid.span
         self.broken = np.minimum(BROKEN * grid.span, MOST_BROKEN)

@@ -71,19 +71,26 @@ class PhaseGrid:
         """(K,) which nodes have an image."""
         return ~np.isnan(self.above)
 
+    def bounds(self, wavelength: float, margin: float) -> tuple[FloatArray, FloatArray]:
+        """(K,) the least and the most waves on each edge, a share `margin` within the bounds on the spacing."""
+        return self.longest / (2 * wavelength) * (1 + margin), self.shortest / wavelength * (1 - margin)
+
     def coarser(self, lines: Contours, stride: int) -> PhaseGrid:
         """Every so many nodes of each contour, at least four, and all where a tear begins or ends."""
         count = np.diff(self.start)
         local = np.arange(len(self.arc)) - self.start[self.loop]
         every = np.minimum(stride, np.maximum(count // 4, 1))[self.loop]
-        torn = np.isnan(self.step)
-        return self.picked(lines, np.flatnonzero((local % every == 0) | (torn != torn[self.behind])))
+        return self._thinned(lines, local % every == 0)
 
     def regular(self, lines: Contours, stride: int) -> PhaseGrid:
         """Only the nodes every so many contour points, and those where a tear begins or ends."""
         station = (np.searchsorted(lines.arc, self.arc) - lines.start[self.loop]) % _strides(lines, stride)[self.loop]
+        return self._thinned(lines, station == 0)
+
+    def _thinned(self, lines: Contours, chosen: BoolArray) -> PhaseGrid:
+        """Only the chosen (K,) nodes, and those where a tear begins or ends."""
         torn = np.isnan(self.step)
-        return self.picked(lines, np.flatnonzero((station == 0) | (torn != torn[self.behind])))
+        return self.picked(lines, np.flatnonzero(chosen | (torn != torn[self.behind])))
 
     def picked(self, lines: Contours, node: IntArray) -> PhaseGrid:
         """Some of the nodes, among them the first of each contour; edges with a tear on the way are torn."""

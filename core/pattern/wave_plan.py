@@ -193,8 +193,7 @@ def _solved(
 ) -> WavePlan:
     """So many steps of the primal-dual method from a first guess."""
     share = WEIGHTED_SHARE if _uneven(weight) else PRIMAL_SHARE
-    least = grid.longest / (2 * settings.wavelength) * (1 + MARGIN)
-    most = grid.shortest / settings.wavelength * (1 - MARGIN)
+    least, most = grid.bounds(settings.wavelength, MARGIN)
     usual = grid.length / (settings.wavelength * np.sqrt(2))
     most_slide = SLIDE * grid.span
     waves, slide, level = np.clip(first.waves, least, most), first.slide.copy(), first.level

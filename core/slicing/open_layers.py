@@ -6,6 +6,7 @@ import numpy as np
 
 from ..errors import MeshError
 from ..model import IntArray
+from ..wording import counted
 from .planes import Layers
 
 _MOST_STRETCHES = 4
@@ -33,7 +34,7 @@ def open_warnings(open_layers: IntArray, polygon_layer: IntArray, stack: Layers)
     """What is left out of a mesh that is open in places, and where the layers above have nothing to stand on."""
     if not len(open_layers):
         return []
-    layers = "1 layer" if len(open_layers) == 1 else f"{len(open_layers)} layers"
+    layers = counted(len(open_layers), "layer")
     warnings = [
         f"outlines that do not close are left out: in {layers} {heights(open_layers, stack)}; "
         "fill the holes of the mesh or raise gap_closing_radius"

@@ -51,11 +51,6 @@ class Undersides:
         return np.asarray(self.cells.ravel().take((layer * columns + column) * rows + row, mode="clip"))
 
 
-def _crest_mm(settings: PrintSettings) -> float:
-    """How far waves swing the outer wall outwards, which is not to be slowed for it."""
-    return 0.0 if settings.pattern == "offset" else settings.wave_depth_max / 2
-
-
 def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -> Undersides | None:
     """Where the faces are so flat that the outline may move by more than a line's width from a layer to the next.
 
@@ -84,7 +79,7 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
     if not (layers > 0).any():
         return None
     layers = np.maximum(layers, 0)
-    margin = settings.extrusion_width + _crest_mm(settings) + _STRETCH / 2
+    margin = settings.extrusion_width + settings.wave_crest + _STRETCH / 2
     corner = mesh.bounds[0, :2] - margin - _CELL
     begin, end = (((side - corner[:, None]) / _CELL).astype(np.int64) for side in (low[:2] - margin, high[:2] + margin))
     sizes = ((mesh.bounds[1, :2] + margin + _CELL - corner) / _CELL).astype(np.int64) + 1
@@ -129,7 +124,7 @@ def with_overhangs(
     length = (lines.length / np.bincount(of, minlength=len(lines.length))).take(of)
     group = np.cumsum(np.diff(lines.chord, prepend=lines.chord[:1]) != 1).take(of)  # lines that follow each other
     asked = _one_each(length, group)
-    reach = settings.extrusion_width / 2 + _crest_mm(settings)
+    reach = settings.extrusion_width / 2 + settings.wave_crest  # crests are not to be slowed
     free = _free(lines, of[asked], np.array([x[asked], y[asked]]), outlines, reach)
     if not free.any():
         return paths

@@ -62,9 +62,8 @@ def shadow(lines: FloatArray, columns: NDArray[np.object_], settings: PrintSetti
     row, begin, end = row[np.append(True, apart)], begin[np.append(True, apart)], end[np.append(apart, True)]
     strips = shapely.multipolygons(shapely.box(begin, row, end, row + 1))
     whole = shapely.transform(shapely.simplify(shapely.buffer(strips, 0), 1), lambda places: low + square * places)
-    waves = 0.0 if settings.pattern == "offset" else settings.wave_depth_max
     # A line lies half its width inside, leaves the squares by half of one between two points, and is simplified.
-    margin = (settings.extrusion_width + waves + 3 * square) / 2
+    margin = (settings.extrusion_width + 2 * settings.wave_crest + 3 * square) / 2
     rings = exterior_rings(np.array([shapely.buffer(whole, margin, quad_segs=2)]))
     return shapely.union_all(shapely.polygons(rings))
 

@@ -128,8 +128,7 @@ def copies(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
 
 def _wall_depth(settings: PrintSettings) -> float:
     """Mm from the outermost point of the outer wall's line to its inside, with what the inside is simplified by."""
-    waves = 0.0 if settings.pattern == "offset" else settings.wave_depth_max
-    return waves + 2 * _TOLERANCE_MM
+    return 2 * settings.wave_crest + 2 * _TOLERANCE_MM
 
 
 def _covers(shapes: NDArray[np.object_], lines: NDArray[np.object_]) -> BoolArray:
