@@ -38,10 +38,10 @@ VARIANTS: dict[str, dict[str, Any]] = {
 SPOT_MM = 20.0
 HEAD = """# Print times
 
-Made by `benchmarks/print_times.py`; seconds are those of the planner model (`core/statistics.py`), heating apart. All
-times of a row have the same layers, walls, fill and speeds; the single colour prints the outlines as they are at
-`outline_speed` = {outline:g} mm/s. The single colour's time is told by some twenty layers of tall prints, within a
-hundredth. The objects are painted with soft spots, black to white, 20 mm apart.
+Made by `benchmarks/print_times.py`; seconds are those of the planner model (`core/statistics/time_and_filament.py`),
+heating apart. All times of a row have the same layers, walls, fill and speeds; the single colour prints the outlines as
+they are at `outline_speed` = {outline:g} mm/s. The single colour's time is told by some twenty layers of tall prints,
+within a hundredth. The objects are painted with soft spots, black to white, 20 mm apart.
 
 | object | settings | layers | single colour | dual colour | ratio | with tower | ratio | waved wall | tool changes |
 |---|---|---|---|---|---|---|---|---|---|

@@ -89,8 +89,8 @@ def _painted(model: Any, tone: Any) -> Any:
 
 def one_round(model: Any) -> dict[str, Times]:
     """Wall and processor seconds of the first run and of those after each change."""
+    from dualcolor.core.job.stage_cache import StageCache
     from dualcolor.core.settings import PrintSettings
-    from dualcolor.core.stage_cache import StageCache
 
     cache, usual = StageCache(), PrintSettings()
     taken = {FIRST: timed(model, usual, cache)}

@@ -125,7 +125,7 @@ def printed(path: Path, height_mm: float | None) -> tuple[dict[str, Any], Any]:
 
 def sliced(path: Path, height_mm: float) -> tuple[Any, Any]:
     """Mesh and slices of a clean file."""
-    from dualcolor.core.mesh import triangulate
+    from dualcolor.core.mesh.triangles import triangulate
     from dualcolor.core.settings import PrintSettings
     from dualcolor.core.slicing.slices import slices
 

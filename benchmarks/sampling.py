@@ -22,7 +22,7 @@ from launcher import load_package  # noqa: E402
 
 load_package()
 from dualcolor.core.analysis.tracelines import tracelines  # noqa: E402
-from dualcolor.core.mesh import triangulate  # noqa: E402
+from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402
 from dualcolor.core.pattern.contours import Contours, contours  # noqa: E402
 from dualcolor.core.pattern.optimized import optimized_samples  # noqa: E402

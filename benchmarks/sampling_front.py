@@ -16,7 +16,7 @@ sys.path.insert(0, str(ROOT))
 from launcher import load_package
 
 load_package()
-from dualcolor.core.mesh import triangulate  # noqa: E402
+from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
 from dualcolor.core.pattern.contours import contours  # noqa: E402
 from dualcolor.core.pattern.optimized import optimized_samples  # noqa: E402
 from dualcolor.core.pattern.quality import seam_errors  # noqa: E402

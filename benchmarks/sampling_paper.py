@@ -17,7 +17,7 @@ sys.path.insert(0, str(ROOT))
 from launcher import load_package
 
 load_package()
-from dualcolor.core.mesh import triangulate  # noqa: E402
+from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
 from dualcolor.core.pattern.contours import contours  # noqa: E402
 from dualcolor.core.pattern.quality import ERROR_FREE, SALIENT, SeamErrors, seam_errors  # noqa: E402
 from dualcolor.core.pattern.sampling import Projector, sample  # noqa: E402

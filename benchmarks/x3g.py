@@ -50,8 +50,8 @@ Made by `benchmarks/x3g.py`: meshes of others, printed at full size with {settin
 whose steps, step rate, length, speed, tool and place in the file agree, of all moves that either file has; *heaters*
 says whether all temperatures, and the waits for them, agree in value and order. *Changes* are changes of the tool
 between strands. The audit (`core/x3g/audit.py`) reads the finished bytes and trusts nothing that made them. The *time*
-is the estimate of the planner model (`core/statistics.py`), beside it its difference from a simulation of the X3G that
-shares nothing with it but the limits of the printer (`tests/x3g_simulation.py`).
+is the estimate of the planner model (`core/statistics/time_and_filament.py`), beside it its difference from a
+simulation of the X3G that shares nothing with it but the limits of the printer (`tests/x3g_simulation.py`).
 
 | mesh | mm | layers | changes | moves | GPX says | equal moves | heaters | same bytes | audit | time | simulated |
 |---|---|---|---|---|---|---|---|---|---|---|---|

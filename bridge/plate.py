@@ -8,8 +8,8 @@ from dataclasses import replace
 import bpy
 
 from ..core.errors import MeshError
+from ..core.mesh.plate import plate
 from ..core.model import SupportMark, SurfaceModel
-from ..core.plate import plate
 from ..core.settings import PrintSettings
 from .curves import companions_of, source_of
 from .mesh_input import WITH_SURFACE, surface_model

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
+from ..core.job.stage_cache import StageCache
 from ..core.model import SurfaceModel
 from ..core.records import dataclass
 from ..core.settings import PrintSettings
-from ..core.stage_cache import StageCache
 
 if TYPE_CHECKING:
     from ..core.pipeline import DualColorPrint

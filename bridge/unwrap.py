@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ..core.errors import MeshError
-from ..core.unwrapping import ChartOptions, PackOptions, unwrapping
+from ..core.mesh.unwrapping import ChartOptions, PackOptions, unwrapping
 from .units import mm_per_unit
 
 UV_LAYER = "Dual-Color"

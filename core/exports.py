@@ -11,8 +11,8 @@ import numpy as np
 from .errors import SettingsError
 from .files import write_file
 from .gcode.writer import counted_text
+from .job.report import StageClock, header_lines, peak_rss_mb
 from .pipeline import DualColorPrint
-from .report import StageClock, header_lines, peak_rss_mb
 from .toolpaths.raft import raised
 from .x3g.writer import x3g_bytes
 

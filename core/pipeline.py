@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 from typing import Any
 
-from .findings import findings
+from .job.findings import findings
+from .job.path_stages import path_stages
+from .job.stage_cache import StageCache
+from .job.stages import Stages
+from .job.wall_stages import wall_stages
 from .model import FloatArray, SurfaceModel, TriangleMesh
-from .path_stages import path_stages
 from .pattern.wave import WavedOutlines
 from .progress import Progress, drained
 from .records import dataclass
 from .settings import PrintSettings
 from .slicing.slices import Slices
-from .stage_cache import StageCache
-from .stages import Stages
-from .statistics import layer_begins, move_seconds, stretches
+from .statistics.time_and_filament import layer_begins, move_seconds, stretches
 from .toolpaths.moves import Moves
-from .wall_stages import wall_stages
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from .analysis.surface_points import points_on_faces
 from .calibration.about import tone_settings
 from .calibration.calibrate import table_for
 from .calibration.gamut_mapping import image_range, printable_tones
-from .mesh import checked
+from .mesh.polygons import triangle_corners
+from .mesh.triangles import checked
 from .model import Float32Array, FloatArray, IntArray, SurfaceModel
-from .polygons import triangle_corners
 from .records import dataclass
 from .settings import PrintSettings
 

@@ -11,7 +11,7 @@ import bpy
 from ..bridge.properties import repaint_proof
 from ..bridge.unwrap import smart_project, unwrap_steps
 from ..core.errors import PrintError
-from ..core.unwrapping import ChartOptions, PackOptions
+from ..core.mesh.unwrapping import ChartOptions, PackOptions
 from .job import JobOperator, Steps
 from .polls import has_own_mesh
 

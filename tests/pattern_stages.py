@@ -1,7 +1,7 @@
 """The stages of the pattern one by one, from a model to its waves."""
 
 import numpy as np
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.sampling import Projector, sample
 from dualcolor.core.pattern.wave import modulated, waved

@@ -20,7 +20,7 @@ from dualcolor.core.analysis.study import NO_SEAMS, analyse, faded_share
 from dualcolor.core.analysis.surface_points import points_on_faces
 from dualcolor.core.analysis.tracelines import tracelines
 from dualcolor.core.errors import PrintError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.quality import SeamErrors
 from dualcolor.core.pattern.sampling import Projector, Samples
 from dualcolor.core.pattern.wave import places

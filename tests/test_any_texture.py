@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dualcolor.core.errors import PrintError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import ToneImage
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.texture.decode import tone_image

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from dualcolor.core.checks import check
 from dualcolor.core.errors import MeshError, PrintError, SettingsError
+from dualcolor.core.job.checks import check
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.moves import Feature

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.fewer_layers import fewer_layers
 from dualcolor.core.pattern.phase_grid import phase_grid

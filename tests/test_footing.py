@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.commands.terminal import summary
-from dualcolor.core.footing import footing_warnings, line_warnings
+from dualcolor.core.analysis.footing import footing_warnings, line_warnings
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.solids import box, joined, lathe

@@ -16,7 +16,7 @@ from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
 from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics import move_seconds
+from dualcolor.core.statistics.time_and_filament import move_seconds
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, rosette, table

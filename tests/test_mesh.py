@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from dualcolor.core.errors import MeshError, TextureError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import SurfaceModel, ToneImage
 from dualcolor.core.settings import PrintSettings
 from hypothesis import given, settings

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from dualcolor.bridge.plate import plate_model
 from dualcolor.core.errors import MeshError, TextureError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pipeline import steps
 from dualcolor.core.progress import drained
 from dualcolor.core.settings import PrintSettings

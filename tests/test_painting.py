@@ -182,7 +182,7 @@ def test_a_mesh_with_as_many_uv_maps_as_there_may_be_is_left_as_it_is(registered
 def test_unwrapping_dropped_half_way_leaves_the_mesh_alone(registered):
     pytest.importorskip("xatlas")
     from dualcolor.bridge.unwrap import unwrap_steps
-    from dualcolor.core.unwrapping import ChartOptions, PackOptions
+    from dualcolor.core.mesh.unwrapping import ChartOptions, PackOptions
 
     box = add_box()
     job = unwrap_steps(box, ChartOptions(), PackOptions())

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from dualcolor.core.errors import MeshError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import ToneImage
 from dualcolor.core.pictures.match import averaged, cell_means, correlation, enlarged, picture_match
 from dualcolor.core.pictures.shapes import fitted, picture_plate, picture_tube, surface_of

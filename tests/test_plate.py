@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.errors import MeshError, TextureError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.plate import plate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pipeline import generate
-from dualcolor.core.plate import plate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.toolpaths.moves import Feature

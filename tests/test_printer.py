@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core.checks import check
 from dualcolor.core.errors import MeshError, SettingsError
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.writer import gcode_text
+from dualcolor.core.job.checks import check
 from dualcolor.core.pipeline import generate
 from dualcolor.core.presets import preset_values
 from dualcolor.core.printer import PRINTERS, printer_names, printer_profile, read_profile
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics import print_time
+from dualcolor.core.statistics.time_and_filament import print_time
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.motion import step_interval
 from dualcolor.core.x3g.moves import moves_of_x3g

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core import path_stages
 from dualcolor.core.fill.paths import fill_areas
 from dualcolor.core.gcode.writer import gcode_text
+from dualcolor.core.job import path_stages
+from dualcolor.core.job.stage_cache import StageCache
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.stage_cache import StageCache
 from dualcolor.tests.solids import lathe, picture
 
 RANDOM = np.random.default_rng(3)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dualcolor.core.errors import MeshError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.open_layers import heights

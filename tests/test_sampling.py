@@ -6,7 +6,8 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.job.wall_stages import pattern_samples
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.contours import contours, long_enough
 from dualcolor.core.pattern.optimized import optimized_samples
 from dualcolor.core.pattern.phase_grid import phase_grid
@@ -18,7 +19,6 @@ from dualcolor.core.pattern.wave import modulated, waved
 from dualcolor.core.pattern.wave_plan import Search, _Curl
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.wall_stages import pattern_samples
 from dualcolor.tests.solids import box, cylinder, joined, lathe
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.optimized import LONGER_POLISH, POLISH, QUICK_POLISH, optimized_samples
 from dualcolor.core.pattern.phase_grid import phase_grid

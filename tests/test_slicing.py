@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.errors import MeshError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.slicing.slices import slices

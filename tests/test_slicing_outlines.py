@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.cycles import cycles
 from dualcolor.core.slicing.edges import faces_beyond

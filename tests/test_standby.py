@@ -6,7 +6,7 @@ from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.standby import preheat_seconds, standby, standby_warnings
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics import move_seconds
+from dualcolor.core.statistics.time_and_filament import move_seconds
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.commands import Action, Command
 from dualcolor.core.x3g.reader import read_x3g

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from dualcolor.core.breakdown import time_report
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics import (
+from dualcolor.core.statistics.breakdown import time_report
+from dualcolor.core.statistics.time_and_filament import (
     filament_use,
     layer_begins,
     move_seconds,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.errors import MeshError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.plate import plate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import SupportMark, SupportVolume
 from dualcolor.core.pipeline import generate
-from dualcolor.core.plate import plate
 from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.supports.marks import marks, painted
 from dualcolor.tests.solids import box, joined, lathe, surface

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import SupportMark, SupportVolume
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.wave import modulated

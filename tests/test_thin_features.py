@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.analysis.thin_features import thin_features, thin_report
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.thin_features import thin_features, thin_report
 from dualcolor.tests.solids import box, cylinder, joined, lathe, surface
 
 PLAN = PrintSettings(center_on_bed=False)

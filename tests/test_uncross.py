@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing import slices as slicing
 from dualcolor.core.slicing.outlines import Outlines, starts

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from dualcolor.core.analysis.study import analyse
 from dualcolor.core.errors import SettingsError, TextureError
-from dualcolor.core.mesh import triangulate
+from dualcolor.core.job.stage_cache import StageCache
+from dualcolor.core.job.wall_stages import pattern_samples
+from dualcolor.core.mesh.plate import plate
+from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.quality import SALIENT, seam_errors
 from dualcolor.core.pattern.sampling import Projector
 from dualcolor.core.pattern.visibility import crease_visibility, front_visibility, seam_visibility, tone_visibility
 from dualcolor.core.pipeline import generate
-from dualcolor.core.plate import plate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.stage_cache import StageCache
-from dualcolor.core.wall_stages import pattern_samples
 from dualcolor.tests.solids import box, cylinder, lathe, picture
 
 WAVES = PrintSettings(pattern="wave", wave_depth_max=0.6)

@@ -7,7 +7,7 @@ from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
 from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics import print_time
+from dualcolor.core.statistics.time_and_filament import print_time
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.commands import SIZES, Command

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..mesh import triangulate
+from ..job.stages import Stages
+from ..job.wall_stages import wall_stages
+from ..mesh.triangles import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
 from ..pattern.contours import Contours
 from ..pattern.modulation import layer_is_black, shape, supported
@@ -19,9 +21,7 @@ from ..progress import Progress, drained
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
-from ..stages import Stages
 from ..texture.pyramid import build_pyramids
-from ..wall_stages import wall_stages
 from .orientation import Orientation, suggested
 from .slopes import FaceContrast, face_contrast, slope_report, slope_warnings
 from .tracelines import Tracelines, tracelines

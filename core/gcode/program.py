@@ -13,7 +13,7 @@ from ..pattern.chunks import CHUNK_ROWS
 from ..printer import PrinterProfile
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..statistics import layer_begins, layer_changes, move_seconds
+from ..statistics.time_and_filament import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Feature, Moves
 from .fan import fan_commands
 from .marlin import fed_by_each

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..breakdown import NOZZLE_C_PER_S
 from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..statistics.breakdown import NOZZLE_C_PER_S
 from ..toolpaths.moves import Moves
 
 # A nozzle rests at least as long again as it takes to heat, or cooling it would only be unrest.

@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ..errors import MeshError
-from ..mesh import size_hint
+from ..mesh.triangles import size_hint
 from ..model import BoolArray, IntArray, TriangleMesh
 from ..pattern.chunks import in_chunks, in_threads
 from ..records import dataclass

@@ -7,9 +7,9 @@ import shapely
 
 from ..errors import MeshError
 from ..fill.parallel import Shapes, in_chunks
-from ..mesh import weld
+from ..mesh.polygons import triangle_corners
+from ..mesh.triangles import weld
 from ..model import BoolArray, FloatArray, IntArray, SupportMark, SupportVolume, TriangleMesh
-from ..polygons import triangle_corners
 from ..records import dataclass
 from ..slicing.intersect import intersect
 from ..slicing.link import link

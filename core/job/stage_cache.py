@@ -16,9 +16,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from .model import BoolArray
-from .records import dataclass
-from .settings import PrintSettings
+from ..model import BoolArray
+from ..records import dataclass
+from ..settings import PrintSettings
 
 Result = TypeVar("Result")
 Column = NDArray[Any]

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from .errors import MeshError
-from .fill.parallel import Shapes
-from .model import FloatArray
-from .settings import PrintSettings
+from ..errors import MeshError
+from ..fill.parallel import Shapes
+from ..model import FloatArray
+from ..settings import PrintSettings
 
 _GRID_MM = 2.0
 _CHUNK = 500  # places looked at in one go

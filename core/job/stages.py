@@ -7,7 +7,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
 from typing import Any
 
-from .progress import Progress
+from ..progress import Progress
 from .report import StageClock, peak_rss_mb
 from .stage_cache import NoCache, StageCache
 

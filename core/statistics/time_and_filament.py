@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .model import BoolArray, FloatArray, IntArray
-from .pattern.chunks import in_chunks
-from .printer import Four, PrinterProfile
-from .records import dataclass
-from .settings import PrintSettings
-from .toolpaths.moves import Feature, Moves
+from ..model import BoolArray, FloatArray, IntArray
+from ..pattern.chunks import in_chunks
+from ..printer import Four, PrinterProfile
+from ..records import dataclass
+from ..settings import PrintSettings
+from ..toolpaths.moves import Feature, Moves
 
 _SHORTEST_MM = 1e-9
 

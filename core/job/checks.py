@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import MeshError, PrintError, SettingsError
-from .model import BoolArray, FloatArray
-from .printer import PrinterProfile
-from .settings import PrintSettings
-from .slicing.outlines import bounds
-from .toolpaths.moves import Feature, Moves
+from ..errors import MeshError, PrintError, SettingsError
+from ..model import BoolArray, FloatArray
+from ..printer import PrinterProfile
+from ..settings import PrintSettings
+from ..slicing.outlines import bounds
+from ..toolpaths.moves import Feature, Moves
 
 _ROUNDING_MM = 1e-6
 _HINTS = {

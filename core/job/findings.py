@@ -6,25 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from .analysis.slopes import slope_report, slope_warnings
-from .breakdown import filament_report, swap_cost, time_report
-from .footing import footing_warnings, line_warnings
-from .gcode.standby import standby_warnings
-from .mesh import size_warnings
-from .model import FloatArray, SurfaceModel, TriangleMesh
+from ..analysis.footing import footing_warnings, line_warnings
+from ..analysis.slopes import slope_report, slope_warnings
+from ..analysis.thin_features import thin_report, thin_warnings
+from ..gcode.standby import standby_warnings
+from ..mesh.plate import object_rows, plate_warnings
+from ..mesh.triangles import size_warnings
+from ..model import FloatArray, SurfaceModel, TriangleMesh
+from ..pattern.contours import Contours
+from ..pattern.sampling import Samples
+from ..pattern.visibility import at_arcs, visibility_warnings
+from ..settings import PrintSettings
+from ..slicing.open_layers import open_warnings
+from ..slicing.planes import line_widths
+from ..slicing.slices import Slices
+from ..statistics.breakdown import filament_report, swap_cost, time_report
+from ..statistics.single_color import single_color_seconds
+from ..toolpaths.moves import Feature, Moves
+from ..toolpaths.skirt import skirt_warnings
 from .path_stages import PrintedPaths, moves_without_swaps
-from .pattern.contours import Contours
-from .pattern.sampling import Samples
-from .pattern.visibility import at_arcs, visibility_warnings
-from .plate import object_rows, plate_warnings
-from .settings import PrintSettings
-from .single_color import single_color_seconds
-from .slicing.open_layers import open_warnings
-from .slicing.planes import line_widths
-from .slicing.slices import Slices
-from .thin_features import thin_report, thin_warnings
-from .toolpaths.moves import Feature, Moves
-from .toolpaths.skirt import skirt_warnings
 from .wall_stages import PaintedWall
 
 

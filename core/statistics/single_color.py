@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from .model import BoolArray, FloatArray, IntArray
-from .pattern.wave import WavedOutlines
-from .records import dataclass
-from .settings import PrintSettings
-from .slicing.outlines import following, ranges, starts, sums
-from .slicing.planes import Layers
-from .statistics import move_seconds, tool_change_rows
-from .toolpaths.assemble import assemble
-from .toolpaths.moves import Feature, Moves, Paths
-from .toolpaths.order import ordered
-from .toolpaths.travels import Rooms
+from ..model import BoolArray, FloatArray, IntArray
+from ..pattern.wave import WavedOutlines
+from ..records import dataclass
+from ..settings import PrintSettings
+from ..slicing.outlines import following, ranges, starts, sums
+from ..slicing.planes import Layers
+from ..toolpaths.assemble import assemble
+from ..toolpaths.moves import Feature, Moves, Paths
+from ..toolpaths.order import ordered
+from ..toolpaths.travels import Rooms
+from .time_and_filament import move_seconds, tool_change_rows
 
 # What a print in one colour has no use for.
 ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ..model import FloatArray, IntArray, SurfaceModel, ToneImage, TriangleMesh
+from ..settings import PrintSettings
+from ..slicing.outlines import starts
 from .arrange import arranged
-from .mesh import check_size, checked, placed
-from .model import FloatArray, IntArray, SurfaceModel, ToneImage, TriangleMesh
-from .settings import PrintSettings
-from .slicing.outlines import starts
+from .triangles import check_size, checked, placed
 
 _ROUNDING_MM = 1e-3
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from .model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 
 
 def triangle_corners(

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import MeshError, TextureError
-from .model import FloatArray, IntArray, SurfaceModel, TriangleMesh
+from ..errors import MeshError, TextureError
+from ..model import FloatArray, IntArray, SurfaceModel, TriangleMesh
+from ..records import dataclass
+from ..settings import PrintSettings
+from ..slicing.outlines import bounds
 from .polygons import triangle_corners
-from .records import dataclass
-from .settings import PrintSettings
-from .slicing.outlines import bounds
 
 WELD_SHARE = 3e-7
 """Vertices nearer than this share of the object's size are one: a few times the resolution of float32."""

@@ -8,28 +8,28 @@ from dataclasses import replace
 
 from shapely import Geometry, get_parts
 
+from ..analysis.thin_features import ThinFeatures, thin_features
+from ..fill.parallel import Shapes
+from ..fill.paths import fill_areas, fill_lines
+from ..pattern.contours import Contours
+from ..progress import Progress
+from ..records import dataclass
+from ..settings import PrintSettings
+from ..slicing.planes import Layers
+from ..slicing.slices import Slices
+from ..statistics.single_color import SingleColor, single_color
+from ..supports.overlay import distinct
+from ..supports.paths import Supports, on_bed, supports
+from ..toolpaths.assemble import assemble
+from ..toolpaths.moves import Moves, Paths
+from ..toolpaths.order import ordered
+from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths
+from ..toolpaths.overhangs import Undersides, undersides, with_overhangs
+from ..toolpaths.raft import lifted, raised
+from ..toolpaths.surroundings import ground, shadow, surrounding_paths
+from ..toolpaths.travels import Rooms, rooms
 from .checks import check
-from .fill.parallel import Shapes
-from .fill.paths import fill_areas, fill_lines
-from .pattern.contours import Contours
-from .progress import Progress
-from .records import dataclass
-from .settings import PrintSettings
-from .single_color import SingleColor, single_color
-from .slicing.planes import Layers
-from .slicing.slices import Slices
 from .stages import Stages
-from .supports.overlay import distinct
-from .supports.paths import Supports, on_bed, supports
-from .thin_features import ThinFeatures, thin_features
-from .toolpaths.assemble import assemble
-from .toolpaths.moves import Moves, Paths
-from .toolpaths.order import ordered
-from .toolpaths.outer_wall import inside_of_wall, outer_wall_paths
-from .toolpaths.overhangs import Undersides, undersides, with_overhangs
-from .toolpaths.raft import lifted, raised
-from .toolpaths.surroundings import ground, shadow, surrounding_paths
-from .toolpaths.travels import Rooms, rooms
 from .wall_stages import PaintedWall
 
 # Outlines behind the wave may differ from the true ones by this much, mm.

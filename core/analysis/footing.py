@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from .model import TriangleMesh
-from .settings import PrintSettings
+from ..model import TriangleMesh
+from ..settings import PrintSettings
 
 _SLIM = 12.0  # times as high as the foot is wide
 _BRIM = "set brim_width to 5 mm or raft_layers to 2"

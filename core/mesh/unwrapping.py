@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import MeshError, PrintError
-from .model import Float32Array
-from .records import dataclass
+from ..errors import MeshError, PrintError
+from ..model import Float32Array
+from ..records import dataclass
 
 TRIANGLES_PER_SECOND = 4000.0
 _POLL_S = 0.02

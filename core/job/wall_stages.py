@@ -8,29 +8,29 @@ from typing import Any
 
 import numpy as np
 
-from .analysis.slopes import FaceContrast, face_contrast
-from .calibration.calibrate import calibrated
-from .fill.closing import Closing, closing
-from .mesh import triangulate
-from .model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
-from .pattern.contours import Contours, contours, reach_of
-from .pattern.optimized import optimized_samples
-from .pattern.quality import SeamErrors, seam_errors
-from .pattern.sampling import Projector, Samples, sample
-from .pattern.slant import slant_along
-from .pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
-from .pattern.strand_edges import widened
-from .pattern.visibility import seam_visibility
-from .pattern.wave import WavedOutlines, average_along_wall, modulated, waved
-from .progress import Progress
-from .records import dataclass
-from .settings import PrintSettings
-from .slicing.slices import Slices, slices
+from ..analysis.slopes import FaceContrast, face_contrast
+from ..calibration.calibrate import calibrated
+from ..fill.closing import Closing, closing
+from ..mesh.triangles import triangulate
+from ..model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
+from ..pattern.contours import Contours, contours, reach_of
+from ..pattern.optimized import optimized_samples
+from ..pattern.quality import SeamErrors, seam_errors
+from ..pattern.sampling import Projector, Samples, sample
+from ..pattern.slant import slant_along
+from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
+from ..pattern.strand_edges import widened
+from ..pattern.visibility import seam_visibility
+from ..pattern.wave import WavedOutlines, average_along_wall, modulated, waved
+from ..progress import Progress
+from ..records import dataclass
+from ..settings import PrintSettings
+from ..slicing.slices import Slices, slices
+from ..texture.island_levels import island_levels
+from ..texture.labels import uv_charts
+from ..texture.lookup import tone_at
+from ..texture.pyramid import TexturePyramids, build_pyramids, sizes_of
 from .stages import Stages
-from .texture.island_levels import island_levels
-from .texture.labels import uv_charts
-from .texture.lookup import tone_at
-from .texture.pyramid import TexturePyramids, build_pyramids, sizes_of
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from .model import FloatArray
-from .settings import PrintSettings
-from .statistics import filament_use, move_seconds, tool_change_rows
-from .toolpaths.moves import Feature, Moves
+from ..model import FloatArray
+from ..settings import PrintSettings
+from ..toolpaths.moves import Feature, Moves
+from .time_and_filament import filament_use, move_seconds, tool_change_rows
 
 # Rules of thumb for an enclosed printer in a room of this temperature; they only tell how long to wait for the start.
 ROOM_C = 22.0

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import shapely
 
-from .fill.walls import offset, simplified
-from .model import FloatArray, IntArray
-from .pattern.contours import LEAST_WIDTH, Contours
-from .records import dataclass
-from .settings import PrintSettings
-from .slicing.planes import line_widths
-from .slicing.slices import Slices
-from .wording import counted
+from ..fill.walls import offset, simplified
+from ..model import FloatArray, IntArray
+from ..pattern.contours import LEAST_WIDTH, Contours
+from ..records import dataclass
+from ..settings import PrintSettings
+from ..slicing.planes import line_widths
+from ..slicing.slices import Slices
+from ..wording import counted
 
 _SIMPLIFY_MM = 0.02
 _SMALLEST = 0.5  # area in squares of the line width: the tips of sharp corners are no features
