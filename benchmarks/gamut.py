@@ -25,10 +25,11 @@ from dualcolor.bridge.instrument import Face, mounted  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.calibration.tile import step_tile  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402
+from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.strands.beads import settled, strands  # noqa: E402
-from dualcolor.core.toolpaths.moves import Feature, Moves  # noqa: E402
+from dualcolor.core.toolpaths.moves import Moves  # noqa: E402
 
 OUT = ROOT / "docs" / "gamut.md"
 TONES = (0.0, 0.25, 0.5, 0.75, 1.0)

@@ -83,7 +83,7 @@ def measured(name: str) -> dict[str, Any]:
 def outline_metres(lines: Any) -> float:
     """Length of the outlines of all layers together, which is layers times the outline of one."""
     import numpy as np
-    from dualcolor.core.slicing.outlines import following
+    from dualcolor.core.ragged import following
 
     ahead = following(lines.start)
     return float(np.linalg.norm(lines.base[ahead] - lines.base, axis=1).sum() / 1000)

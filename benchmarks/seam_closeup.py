@@ -26,12 +26,13 @@ from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.analysis.overlay import surface_points  # noqa: E402
 from dualcolor.core.analysis.study import Analysis, analyse  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402
+from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.pattern.slant import slant_along  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
-from dualcolor.core.toolpaths.moves import Feature, Moves  # noqa: E402
+from dualcolor.core.toolpaths.moves import Moves  # noqa: E402
 from PIL import Image, ImageDraw, ImageFont  # noqa: E402
 from sampling import obj_model  # noqa: E402
 

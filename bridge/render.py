@@ -15,8 +15,8 @@ from mathutils import Matrix
 from ..core.errors import OutputError, PrintError
 from ..core.files import write_file
 from ..core.model import FloatArray, SurfaceModel
+from ..core.paths import Feature
 from ..core.progress import drained
-from ..core.toolpaths.moves import Feature
 from ..core.viewing import Picture
 from .curves import read_strands, set_drawing
 from .painted import painted_model

@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 
 from ..core.model import IntArray
-from ..core.toolpaths.moves import Feature
+from ..core.paths import Feature
 from .strand_colours import LEGENDS, paint
 
 STRANDS_KEY = "dualcolor_strands"

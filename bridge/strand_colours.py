@@ -6,8 +6,8 @@ import colorsys
 
 import bpy
 
+from ..core.paths import Feature
 from ..core.records import dataclass
-from ..core.toolpaths.moves import Feature
 
 Colour = tuple[float, float, float]
 

@@ -15,6 +15,8 @@ FloatArray = NDArray[np.float64]
 Float32Array = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+Shapes = NDArray[np.object_]
+"""Geometries of shapely."""
 
 _CHUNK_FACES = 1 << 13  # worked on at once, what stays in the cache
 
@@ -143,8 +145,7 @@ class TriangleMesh:
     @cached_property
     def bounds(self) -> FloatArray:
         """(2, 3) mm, the least and the greatest corner; not to be written to."""
-        # Column by column: numpy reduces a long narrow array along its short rows ten times slower.
-        corners = np.array([[column.min() for column in self.vertices.T], [column.max() for column in self.vertices.T]])
+        corners = bounds(self.vertices)
         corners.flags.writeable = False
         return corners
 
@@ -176,3 +177,12 @@ class TriangleMesh:
             return self.bounds
         corners = self.vertices[self.faces[self.face_object == number].ravel()]
         return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+
+def bounds(points: FloatArray, among: BoolArray | None = None) -> FloatArray:
+    """(2, D) least and greatest coordinates of points (N, D), of those that `among` (N,) marks."""
+    # Column by column: numpy reduces a long narrow array along its short rows ten times slower.
+    where = True if among is None else among
+    low = [column.min(initial=np.inf, where=where) for column in points.T]
+    high = [column.max(initial=-np.inf, where=where) for column in points.T]
+    return np.array([low, high])

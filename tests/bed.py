@@ -3,9 +3,9 @@
 import numpy as np
 import shapely
 import shapely.affinity
+from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import Layers, layer_stack
-from dualcolor.core.toolpaths.moves import Feature, Paths
 
 REACH = shapely.box(-105, -73, 105, 73)
 SETTINGS = PrintSettings()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from dualcolor.core.toolpaths.moves import Feature, Moves
+from dualcolor.core.paths import Feature
+from dualcolor.core.toolpaths.moves import Moves
 
 TRAVEL, RETRACT, OUTER_WALL, TOWER = Feature.TRAVEL, Feature.RETRACT, Feature.OUTER_WALL, Feature.TOWER
 

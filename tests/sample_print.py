@@ -4,8 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 from dualcolor.core.model import TriangleMesh
+from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature, Moves
+from dualcolor.core.toolpaths.moves import Moves
 
 SIDE, LAYERS, STEP = 10.0, 8, 0.25
 

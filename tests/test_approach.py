@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.gcode.writer import gcode_text
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import Layers
 from dualcolor.core.toolpaths.approach import TOWER_WIPE_MM
 from dualcolor.core.toolpaths.assemble import assemble
-from dualcolor.core.toolpaths.moves import Feature, Moves
+from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.core.toolpaths.order import OrderedPaths
 from dualcolor.tests.solids import cylinder, joined
 

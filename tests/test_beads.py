@@ -4,9 +4,10 @@ import itertools
 
 import numpy as np
 import pytest
+from dualcolor.core.paths import Feature
 from dualcolor.core.strands.beads import Strands, sag_depth, semi_axes, settled, split_by_roundness, strands
 from dualcolor.core.strands.spans import FARTHEST, unsupported_distance
-from dualcolor.core.toolpaths.moves import Feature, Moves
+from dualcolor.core.toolpaths.moves import Moves
 from strand_volume import volume_mm3
 
 

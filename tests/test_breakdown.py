@@ -6,13 +6,14 @@ from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.job.path_stages import path_stages
 from dualcolor.core.job.stages import Stages
 from dualcolor.core.job.wall_stages import wall_stages
+from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.pipeline import generate
 from dualcolor.core.progress import drained
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics.breakdown import filament_report, heating_seconds, time_report
 from dualcolor.core.statistics.single_color import single_color_moves, single_color_seconds
 from dualcolor.core.statistics.time_and_filament import layer_begins, move_seconds, print_time
-from dualcolor.core.toolpaths.moves import Feature, Moves, Paths
+from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.printing import rosette
 from dualcolor.tests.real_models import obj_model
 from dualcolor.tests.solids import box, cylinder, joined, lathe

@@ -8,9 +8,9 @@ from dualcolor.core.fill.closing import closed
 from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.fill.skins import solid_and_sparse
 from dualcolor.core.fill.walls import walls_and_fill
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.solids import box, joined
 from fill_shapes import WIDTH, annulus, lines_of, square, stack, table_is_sound
 

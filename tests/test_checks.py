@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import MeshError, PrintError, SettingsError
 from dualcolor.core.job.checks import check
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.printing import rosette
 from dualcolor.tests.solids import box
 

@@ -8,8 +8,8 @@ from dualcolor.core.pattern.fewer_layers import fewer_layers
 from dualcolor.core.pattern.phase_grid import phase_grid
 from dualcolor.core.pattern.sampling import Projector
 from dualcolor.core.pattern.whole_waves import Phase
+from dualcolor.core.ragged import sums
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.slicing.outlines import sums
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import box, joined, lathe
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.solids import box
 
 SIDE = 24.0

@@ -6,8 +6,8 @@ import shapely
 from dualcolor.core.fill.concentric import nested
 from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.fill.walls import walls_and_fill
+from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
 from fill_shapes import WIDTH, blobs, lines_of, shapes, square, stack, table_is_sound
 
 PATTERNS = ["rectilinear", "grid", "triangles", "gyroid", "concentric"]

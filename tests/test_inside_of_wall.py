@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.slicing.outlines import starts
+from dualcolor.core.ragged import starts
 from dualcolor.core.toolpaths.outer_wall import inside_of_lines
 
 SQUARE = shapely.box(0, 0, 20, 20)

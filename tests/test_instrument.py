@@ -10,8 +10,9 @@ bpy = pytest.importorskip("bpy")
 from dualcolor.bridge.instrument import Face, mounted, photograph, view_axes  # noqa: E402
 from dualcolor.bridge.plastics import diffuse_material  # noqa: E402
 from dualcolor.core.errors import PrintError  # noqa: E402
+from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
-from dualcolor.core.toolpaths.moves import Feature, Moves  # noqa: E402
+from dualcolor.core.toolpaths.moves import Moves  # noqa: E402
 
 SETTINGS = PrintSettings()
 FACE = Face((5.0, 0.0, 5.0), 10.0, 8.0)

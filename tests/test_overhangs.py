@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 from dualcolor.core.gcode.writer import gcode_text
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.overhangs import undersides
 from dualcolor.tests.solids import box, cylinder, joined, lathe
 

@@ -8,9 +8,9 @@ import pytest
 from dualcolor.core.calibration.tile import profile_tile
 from dualcolor.core.errors import MeshError, OutputError
 from dualcolor.core.exports import dump, export_gcode, export_x3g
+from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.pipeline import generate, steps
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.seams import seam_offsets
 from dualcolor.core.toolpaths.tool_turns import tool_of_layer

@@ -8,10 +8,10 @@ import shapely
 from dualcolor.core.errors import MeshError, TextureError
 from dualcolor.core.mesh.plate import plate
 from dualcolor.core.mesh.triangles import triangulate
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.real_models import obj_model
 from dualcolor.tests.solids import box, cylinder, joined, picture
 

@@ -8,8 +8,8 @@ bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.curves import build_preview, is_print_shown, preview_of, read_strands, show_print, source_of  # noqa: E402
 from dualcolor.bridge.units import mm_per_unit, use_millimetres  # noqa: E402
+from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.strands.beads import strands  # noqa: E402
-from dualcolor.core.toolpaths.moves import Feature  # noqa: E402
 from strand_volume import volume_mm3  # noqa: E402
 
 

@@ -15,8 +15,8 @@ from dualcolor.bridge.plate import objects_to_print, plate_model
 from dualcolor.bridge.properties import report_of
 from dualcolor.core.errors import PrintError
 from dualcolor.core.model import SupportMark
+from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.scene import add_box, add_material, add_uvs, extent, flat_image, fresh, model_of
 from mathutils import Matrix
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.exports import dump, export_gcode
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.raft import raft_area, raft_paths
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.solids import cylinder

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from dualcolor.core.paths import Paths
 from dualcolor.core.records import dataclass
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Paths
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh.triangles import triangulate
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.open_layers import heights
 from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.solids import box, cylinder, joined, surface
 from dualcolor.tests.winding import agreement
 

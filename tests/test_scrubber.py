@@ -10,7 +10,7 @@ import dualcolor  # noqa: E402
 from dualcolor.bridge.curves import build_preview, read_strands  # noqa: E402
 from dualcolor.bridge.scrubber import KINDS, last_layer, moves_shown, strands_in  # noqa: E402
 from dualcolor.bridge.strand_colours import LEGENDS, legend_of  # noqa: E402
-from dualcolor.core.toolpaths.moves import Feature  # noqa: E402
+from dualcolor.core.paths import Feature  # noqa: E402
 
 
 @pytest.fixture

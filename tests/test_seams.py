@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.seams import valleys
 from dualcolor.tests.solids import cylinder

@@ -5,9 +5,9 @@ import pytest
 import shapely
 from dualcolor.core.fill.gap_fill import gap_paths
 from dualcolor.core.fill.paths import fill_paths
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.real_models import image_file, obj_model
 from dualcolor.tests.solids import box, joined, lathe, surface
 from fill_shapes import WIDTH, lines_of, shapes, square, table_is_sound

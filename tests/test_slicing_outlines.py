@@ -5,12 +5,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from dualcolor.core.mesh.triangles import triangulate
+from dualcolor.core.ragged import starts
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.cycles import cycles
 from dualcolor.core.slicing.edges import faces_beyond
 from dualcolor.core.slicing.intersect import intersect
 from dualcolor.core.slicing.link import link
-from dualcolor.core.slicing.outlines import Outlines, starts
+from dualcolor.core.slicing.outlines import Outlines
 from dualcolor.core.slicing.planes import layer_stack, levels
 from dualcolor.core.slicing.union import equal_segments, united, winding_number
 from dualcolor.tests.solids import box, cylinder, joined, lathe

@@ -9,6 +9,7 @@ from dualcolor.core.exports import export_gcode, export_x3g
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.job.wall_stages import pattern_tone
 from dualcolor.core.mesh.triangles import triangulate
+from dualcolor.core.paths import Feature
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.modulation import layer_is_black
 from dualcolor.core.pattern.sampling import Projector
@@ -26,7 +27,6 @@ from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.strands.beads import strands
 from dualcolor.core.texture.pyramid import build_pyramids
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.tool_turns import _ends, tool_of_layer
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.moves import moves_of_x3g

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import Layers
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.order import OrderedPaths
 from dualcolor.core.toolpaths.speeds import chord_lengths, extrusion_speeds
 from dualcolor.tests.solids import cylinder

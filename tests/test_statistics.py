@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics.breakdown import time_report
 from dualcolor.core.statistics.time_and_filament import (
@@ -14,7 +15,6 @@ from dualcolor.core.statistics.time_and_filament import (
     stretches,
     tool_change_rows,
 )
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TOWER, TRAVEL, rosette, table
 
 SETTINGS = PrintSettings()

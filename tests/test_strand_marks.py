@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.strands.beads import settled, strands
 from dualcolor.core.strands.marks import NO_TONE, marks, moves_of_layers, tone_of_moves
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.tests.solids import box
 
 

@@ -8,6 +8,7 @@ import pytest
 import shapely
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import SupportMark, SupportVolume
+from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate
@@ -16,7 +17,6 @@ from dualcolor.core.slicing.slices import slices
 from dualcolor.core.supports.lines import SUPPORT_ISLAND
 from dualcolor.core.supports.paths import supports
 from dualcolor.core.toolpaths.loops import Turn
-from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.tests.fill_shapes import lines_of
 from dualcolor.tests.real_models import obj_model

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import shapely
 import shapely.affinity
+from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.pipeline import generate
 from dualcolor.core.toolpaths.brim import brim_area, brim_paths
 from dualcolor.core.toolpaths.loops import on_layers
-from dualcolor.core.toolpaths.moves import Feature, Paths
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.shield import shield_paths
 from dualcolor.core.toolpaths.skirt import skirt_paths, skirt_warnings

@@ -7,8 +7,8 @@ import pytest
 import shapely
 import shapely.affinity
 from dualcolor.core.errors import MeshError, SettingsError
+from dualcolor.core.paths import Feature
 from dualcolor.core.toolpaths.loops import Turn
-from dualcolor.core.toolpaths.moves import Feature
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.placement import placed, turned
 from dualcolor.core.toolpaths.surroundings import tower_where_free

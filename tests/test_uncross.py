@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.mesh.triangles import triangulate
+from dualcolor.core.ragged import starts
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing import slices as slicing
-from dualcolor.core.slicing.outlines import Outlines, starts
+from dualcolor.core.slicing.outlines import Outlines
 from dualcolor.core.slicing.uncross import uncrossed
 from dualcolor.core.slicing.union import winding_number
 from dualcolor.tests.solids import box, joined, lathe

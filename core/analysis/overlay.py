@@ -11,8 +11,8 @@ from ..pattern.contours import Contours
 from ..pattern.quality import PROBE_SPACING, SeamErrors
 from ..pattern.sampling import Samples
 from ..pattern.wave import places
+from ..ragged import starts
 from ..records import dataclass
-from ..slicing.outlines import starts
 from .tracelines import Tracelines
 
 Rgb = tuple[float, float, float]

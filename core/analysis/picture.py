@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray, TriangleMesh
+from ..ragged import ranges
 from ..records import dataclass
-from ..slicing.outlines import ranges
 from ..viewing import Picture
 from .overlay import Rgb, SurfaceCurves
 from .surface_points import points_on_faces

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
+from ..ragged import ranges
 from ..records import dataclass
-from ..slicing.outlines import ranges
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import numpy as np
 from ..model import BoolArray, FloatArray, IntArray
 from ..pattern.contours import Contours
 from ..pattern.sampling import Projector, Samples
+from ..ragged import starts
 from ..records import dataclass
-from ..slicing.outlines import starts
 
 
 @dataclass(frozen=True)

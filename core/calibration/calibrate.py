@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import CalibrationError
 from ..model import FloatArray
-from ..pattern.chunks import CHUNK_ROWS
+from ..parallel import CHUNK_ROWS
 from ..pattern.contours import POINTS_PER_WAVELENGTH
 from ..settings import PrintSettings
 from .gamut_mapping import image_range, printable_tones

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..records import dataclass
 from ..settings import PrintSettings
 from .hatch import crossings, spans
-from .parallel import Shapes
 from .skins import Skins, remainder, uncovered
 from .walls import offset
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, Shapes
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths
 from ..slicing.regions import gathered
 from .bridges import Bridges, bridges
-from .parallel import Shapes
 from .skins import Skins, skins
 from .walls import offset_outlines, simplified
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import IntArray
-from .parallel import Shapes, in_chunks
+from ..model import IntArray, Shapes
+from ..parallel import geos_in_threads
 from .walls import offset, simplified
 
 _SIMPLIFY_MM = 0.05
@@ -44,7 +44,7 @@ def nested(regions: Shapes, spacing_mm: float) -> tuple[Shapes, IntArray]:
             inner = offset(inner, -step)
         return (shapely.geometrycollections(np.stack(loops, axis=1)) if loops else shapes,)
 
-    (gathered,) = in_chunks(chunk, parts)
+    (gathered,) = geos_in_threads(chunk, parts)
     levels, part = shapely.get_parts(gathered, return_index=True)
     some = ~shapely.is_empty(levels)
     return levels[some], owner[part[some]].astype(np.int64)

@@ -8,12 +8,12 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from ..model import BoolArray, FloatArray, IntArray
-from ..slicing.outlines import starts
+from ..model import BoolArray, FloatArray, IntArray, Shapes
+from ..parallel import geos_in_threads
+from ..paths import Feature, Paths
+from ..ragged import starts
 from ..slicing.regions import gathered
-from ..toolpaths.moves import Feature, Paths
 from .mitres import Moved
-from .parallel import Shapes, in_chunks
 from .walls import offset
 
 # Line widths by which a gap reaches into the walls beside it; a waved one leaves pockets there.
@@ -107,7 +107,7 @@ def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray)
     parts, island = parts[some], (owner[some] % len(island_layer)).astype(np.int64)
     if not len(parts):
         return Paths.empty()
-    merged, edges = in_chunks(_middles, parts, width_mm[island])
+    merged, edges = geos_in_threads(_middles, parts, width_mm[island])
     lines, part = shapely.get_parts(merged, return_index=True)
     width = width_mm[island[part]]
     long = (shapely.length(lines) >= _SHORTEST * width) & (shapely.get_dimensions(lines) == 1)

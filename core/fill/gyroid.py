@@ -11,14 +11,13 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, Shapes
+from ..paths import Feature, Paths
+from ..ragged import starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import starts
-from ..toolpaths.moves import Feature, Paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
-from .parallel import Shapes
 
 # Length of the curves over the area, for a gyroid of period 2π, averaged over all heights.
 _LENGTH_PER_AREA = 0.3913

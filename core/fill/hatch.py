@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..records import dataclass
-from .parallel import Shapes
 
 
 @dataclass(frozen=True)

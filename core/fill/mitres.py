@@ -13,10 +13,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..model import BoolArray, FloatArray, IntArray
-from ..slicing.outlines import following, preceding, starts, sums
+from ..model import BoolArray, FloatArray, IntArray, Shapes
+from ..ragged import following, preceding, starts, sums
 from ..slicing.regions import ring_polygons
-from .parallel import Shapes
 
 MITRE_LIMIT = 2.0  # distances
 _SHARPEST = 2 / MITRE_LIMIT**2 - 1  # cosine of the turn at which a mitre is as long

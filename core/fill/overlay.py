@@ -13,12 +13,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray, Shapes
+from ..ragged import following, ranges, starts, sums
 from ..records import dataclass
 from ..slicing.cycles import cycles
-from ..slicing.outlines import Outlines, following, ranges, starts, sums
+from ..slicing.outlines import Outlines
 from ..slicing.regions import gathered, regions_of
-from .parallel import Shapes
 
 _TOUCHING_MM = 1e-6  # nearer to each other an edge and the end of another one may touch
 _LEAST_RUN = 6  # edges of a ring that are compared by their common box first; the root of their number in long ones

@@ -6,11 +6,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray, Shapes
+from ..parallel import geos_in_threads
+from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths, middle_heights
-from ..toolpaths.moves import Feature, Paths
 from .bridges import Bridges, bridged
 from .closing import closed, covering
 from .concentric import nested
@@ -18,7 +19,6 @@ from .gap_fill import gap_paths, gaps_between
 from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
-from .parallel import Shapes, in_chunks
 from .skins import Skins, solid_and_sparse
 from .walls import boundary_paths, simplified, wall_paths, walls_and_fill
 
@@ -94,7 +94,7 @@ def fill_areas(
         walls, fill, steps = walls_and_fill(islands, width, settings)
         return *walls, *gaps_between(walls, steps, width), *solid_and_sparse(fill, Skins(solid, whole), settings)
 
-    return in_chunks(chunk, islands, island_layer, solid, whole)
+    return geos_in_threads(chunk, islands, island_layer, solid, whole)
 
 
 def fill_lines(areas: tuple[Shapes, ...], over_air: Bridges, island_layer: IntArray, settings: PrintSettings) -> Paths:

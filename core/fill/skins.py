@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import BoolArray, IntArray
+from ..model import BoolArray, IntArray, Shapes
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
 from .overlay import parted
-from .parallel import Shapes
 from .walls import offset
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, Shapes
+from ..paths import Feature, Paths
+from ..ragged import starts
 from ..settings import PrintSettings
-from ..slicing.outlines import starts
-from ..toolpaths.moves import Feature, Paths
 from .mitres import MITRE_LIMIT, Moved, moved
-from .parallel import Shapes
 
 _SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls by
 

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..pattern.chunks import CHUNK_ROWS
+from ..parallel import CHUNK_ROWS
+from ..paths import Feature
 from ..printer import PrinterProfile
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..statistics.time_and_filament import layer_begins, layer_changes, move_seconds
-from ..toolpaths.moves import Feature, Moves
+from ..toolpaths.moves import Moves
 from .fan import fan_commands
 from .marlin import fed_by_each
 from .numbers import BACKWARDS_LIMIT, COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT

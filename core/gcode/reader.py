@@ -8,9 +8,10 @@ import numpy as np
 
 from ..errors import PrintError, SettingsError
 from ..model import BoolArray, FloatArray, IntArray
+from ..paths import Feature
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..toolpaths.moves import Feature, Moves
+from ..toolpaths.moves import Moves
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
 from ..wording import counted
 from .texts import read_back

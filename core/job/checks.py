@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import MeshError, PrintError, SettingsError
-from ..model import BoolArray, FloatArray
+from ..model import BoolArray, FloatArray, bounds
+from ..paths import Feature
 from ..printer import PrinterProfile
 from ..settings import PrintSettings
-from ..slicing.outlines import bounds
-from ..toolpaths.moves import Feature, Moves
+from ..toolpaths.moves import Moves
 
 _ROUNDING_MM = 1e-6
 _HINTS = {

@@ -13,6 +13,7 @@ from ..gcode.standby import standby_warnings
 from ..mesh.plate import object_rows, plate_warnings
 from ..mesh.triangles import size_warnings
 from ..model import FloatArray, SurfaceModel, TriangleMesh
+from ..paths import Feature
 from ..pattern.contours import Contours
 from ..pattern.sampling import Samples
 from ..pattern.visibility import at_arcs, visibility_warnings
@@ -22,7 +23,7 @@ from ..slicing.planes import line_widths
 from ..slicing.slices import Slices
 from ..statistics.breakdown import filament_report, swap_cost, time_report
 from ..statistics.single_color import single_color_seconds
-from ..toolpaths.moves import Feature, Moves
+from ..toolpaths.moves import Moves
 from ..toolpaths.skirt import skirt_warnings
 from .path_stages import PrintedPaths, moves_without_swaps
 from .wall_stages import PaintedWall

@@ -9,8 +9,9 @@ from dataclasses import replace
 from shapely import Geometry, get_parts
 
 from ..analysis.thin_features import ThinFeatures, thin_features
-from ..fill.parallel import Shapes
 from ..fill.paths import fill_areas, fill_lines
+from ..model import Shapes
+from ..paths import Paths
 from ..pattern.contours import Contours
 from ..progress import Progress
 from ..records import dataclass
@@ -21,7 +22,7 @@ from ..statistics.single_color import SingleColor, single_color
 from ..supports.overlay import distinct
 from ..supports.paths import Supports, on_bed, supports
 from ..toolpaths.assemble import assemble
-from ..toolpaths.moves import Moves, Paths
+from ..toolpaths.moves import Moves
 from ..toolpaths.order import ordered
 from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths
 from ..toolpaths.overhangs import Undersides, undersides, with_overhangs

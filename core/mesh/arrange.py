@@ -8,8 +8,7 @@ import numpy as np
 import shapely
 
 from ..errors import MeshError
-from ..fill.parallel import Shapes
-from ..model import FloatArray
+from ..model import FloatArray, Shapes
 from ..settings import PrintSettings
 
 _GRID_MM = 2.0

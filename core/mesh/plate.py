@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..model import FloatArray, IntArray, SurfaceModel, ToneImage, TriangleMesh
+from ..ragged import starts
 from ..settings import PrintSettings
-from ..slicing.outlines import starts
 from .arrange import arranged
 from .triangles import check_size, checked, placed
 

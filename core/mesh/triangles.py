@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MeshError, TextureError
-from ..model import FloatArray, IntArray, SurfaceModel, TriangleMesh
+from ..model import FloatArray, IntArray, SurfaceModel, TriangleMesh, bounds
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import bounds
 from .polygons import triangle_corners
 
 WELD_SHARE = 3e-7

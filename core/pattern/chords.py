@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..slicing.outlines import ranges
+from ..ragged import ranges
 
 # Lines are cut into pieces of about so many points, of which so many are walked along at once.
 PIECE_POINTS, PIECES_AT_ONCE = 64, 1 << 12

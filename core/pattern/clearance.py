@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..slicing.outlines import following, ranges, starts
+from ..parallel import runs_of_layers
+from ..ragged import following, ranges, starts
 from .along_loops import box, cross, dot, filtered
-from .chunks import runs_of_layers
 from .grid import PointGrid
 
 BLOCK = 4

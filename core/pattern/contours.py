@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..parallel import runs_of_layers
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines
 from ..slicing.planes import line_widths
 from .along_loops import around, dot, filtered, gaussian, steps
-from .chunks import runs_of_layers
 from .clearance import BLOCK, gaps
 from .inset import bend_room, inset
 from .resample import even_points, resampled

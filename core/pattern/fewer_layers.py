@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import sums
 from ..records import dataclass
-from ..slicing.outlines import sums
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, between, grid_of, image_steps
 from .whole_waves import Phase

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import BoolArray, FloatArray, IntArray
-from ..slicing.outlines import bounds, ranges, starts
+from ..model import BoolArray, FloatArray, IntArray, bounds
+from ..ragged import ranges, starts
 
 # A table of all cells is kept where there are at most so many a point.
 CELLS_A_POINT = 64

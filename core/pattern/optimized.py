@@ -21,8 +21,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
+from ..ragged import ranges, sums
 from ..settings import PrintSettings
-from ..slicing.outlines import ranges, sums
 from .contours import Contours, long_enough
 from .fewer_layers import fewer_layers
 from .phase_fit import PhaseFit

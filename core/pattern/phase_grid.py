@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import following, preceding, ranges, starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import following, preceding, ranges, starts
 from .contours import Contours, long_enough, loop_of
 from .sampling import Projector
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
+from ..ragged import starts, sums
 from ..records import dataclass
-from ..slicing.outlines import Outlines, starts, sums
+from ..slicing.outlines import Outlines
 from .along_loops import dot, rows, steps
 
 LEAST_POINTS = 8

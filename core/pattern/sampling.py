@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..parallel import in_chunks
+from ..ragged import ahead, preceding, starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import ahead, preceding, starts
-from .chunks import in_chunks
 from .contours import Contours, long_enough, loop_of, on_loop
 from .grid import PointGrid, nearest
 from .spacing import SLACK, filled, pruned, relaxed, spacings

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import following, preceding, ranges
 from ..settings import PrintSettings
-from ..slicing.outlines import following, preceding, ranges
 from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid
 from .sampling import Projector, Samples

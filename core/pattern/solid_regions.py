@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import preceding
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import preceding
 from .contours import Contours
 from .modulation import faded, layer_is_black, supported
 from .sampling import Projector

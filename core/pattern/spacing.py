@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import following, ranges, starts
 from ..settings import PrintSettings
-from ..slicing.outlines import following, ranges, starts
 from .contours import Contours, long_enough, on_loop
 
 # Spacings are compared with this slack, mm, so that rounding does not prune an exact fit.

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray
+from ..ragged import following
 from ..settings import PrintSettings
-from ..slicing.outlines import following
 from .along_loops import steps
 from .contours import Contours
 

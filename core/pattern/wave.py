@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..parallel import in_chunks
+from ..ragged import ranges, starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import ranges, starts
 from .along_loops import filtered, rows
 from .chords import chord_ends
-from .chunks import in_chunks
 from .contours import POINTS_PER_WAVELENGTH, Contours
 from .modulation import faded, layer_is_black, layer_shift, layer_sign, shape, supported
 from .sampling import Samples

@@ -17,9 +17,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import sums
 from .contours import Contours
 from .phase_grid import PhaseGrid
 from .wave_plan import WavePlan

@@ -9,9 +9,9 @@ import numpy as np
 from ..model import BoolArray, Float32Array, FloatArray
 from ..pattern.modulation import PERIOD_LAYERS
 from ..pattern.wave import WavedOutlines
+from ..ragged import following
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import following
 
 
 @dataclass(frozen=True)

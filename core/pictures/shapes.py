@@ -8,9 +8,9 @@ import numpy as np
 
 from ..errors import MeshError
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, SurfaceModel, ToneImage
+from ..ragged import starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import starts
 
 _FACET_MM = 1.0  # sides of what is round
 _LEAST_FACETS = 48

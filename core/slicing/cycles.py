@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import IntArray
+from ..ragged import starts
 from ..records import dataclass
-from .outlines import starts
 
 _MANY = 1 << 14
 _STRIDE = 8  # steps until those that have arrived are sorted out

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mesh.corners import complex_uv
 from ..model import FloatArray, IntArray, TriangleMesh
-from ..pattern.chunks import in_chunks
+from ..parallel import in_chunks
+from ..ragged import starts
 from ..records import dataclass
-from ..texture.islands import complex_uv
 from .edges import faces_beyond
-from .outlines import starts
 from .planes import levels
 
 _CODE_BITS, _AROUND_HIGHEST = 5, 2  # see `ends_of`
@@ -232,9 +232,3 @@ def between(column: NDArray[Any], begin: IntArray, end: IntArray, share: FloatAr
     value *= share
     value += base
     return value
-
-
-def following_corner(corner: IntArray) -> NDArray[np.int32]:
-    """(N,) the next corner of the same face."""
-    short = corner.astype(np.int32)  # divided in half the time
-    return np.asarray(short + 1 - 3 * ((short - 3 * (short // 3)) >> 1), dtype=np.int32)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh.corners import complex_uv
 from ..model import FloatArray, IntArray
-from ..pattern.chunks import CHUNK_ROWS
-from ..texture.islands import complex_uv
+from ..parallel import CHUNK_ROWS
+from ..ragged import ahead
 from .cycles import cycles
 from .gaps import close_chains
 from .intersect import Segments, between, columns_of, cut_edges, ends_of, faces_of
-from .outlines import Outlines, ahead
+from .outlines import Outlines
 
 
 def link(segments: Segments, gap_closing_radius: float) -> tuple[Outlines, IntArray]:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import ahead, following, preceding, starts, sums
 from ..records import dataclass
 
 
@@ -125,60 +126,7 @@ class Outlines:
         return Outlines(start=starts(np.concatenate([part.count for part in parts])), **whole)
 
 
-def starts(count: IntArray) -> IntArray:
-    """(M + 1,) offsets of groups with `count` (M,) members each."""
-    return np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
-
-
-def ranges(first: IntArray, count: IntArray) -> IntArray:
-    """The integers first[k], first[k] + 1, … (count[k] of them) for every k, one after the other."""
-    offsets = starts(count)
-    return np.asarray(np.arange(offsets[-1]) + np.repeat(first - offsets[:-1], count))
-
-
-def following(start: IntArray) -> IntArray:
-    """(N,) index of the next member in a cyclic group; `start` (M + 1,) are offsets, empty groups allowed."""
-    index = np.arange(1, start[-1] + 1, dtype=np.int64)
-    filled = start[1:] > start[:-1]
-    index[start[1:][filled] - 1] = start[:-1][filled]
-    return index
-
-
-def ahead(values: FloatArray, start: IntArray) -> FloatArray:
-    """(N, …) the value of the next member in a cyclic group, as `values[following(start)]` but in half the time."""
-    moved = np.empty_like(values)
-    moved[:-1] = values[1:]
-    filled = start[1:] > start[:-1]
-    moved[start[1:][filled] - 1] = values[start[:-1][filled]]
-    return moved
-
-
-def preceding(start: IntArray) -> IntArray:
-    """(N,) index of the previous member in a cyclic group, the inverse of `following`."""
-    index = np.arange(-1, start[-1] - 1, dtype=np.int64)
-    filled = start[1:] > start[:-1]
-    index[start[:-1][filled]] = start[1:][filled] - 1
-    return index
-
-
 def interpolated(ends: FloatArray, share: FloatArray) -> FloatArray:
     """(N, …) values between both ends of segments (N, 2, …), the share (N,) of the way, at most all of it."""
     share = np.clip(share, 0, 1)[:, None]
     return np.asarray(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]))
-
-
-def sums(values: FloatArray, start: IntArray) -> FloatArray:
-    """(M,) sum of the values of each group; 0 for an empty one."""
-    if len(values) and (np.diff(start) > 0).all():
-        return np.add.reduceat(values, start[:-1])
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    return np.asarray(total[start[1:]] - total[start[:-1]])
-
-
-def bounds(points: FloatArray, among: BoolArray | None = None) -> FloatArray:
-    """(2, D) least and greatest coordinates of points (N, D), of those that `among` (N,) marks."""
-    # Column by column: numpy reduces a long narrow array along its short rows ten times slower.
-    where = True if among is None else among
-    low = [column.min(initial=np.inf, where=where) for column in points.T]
-    high = [column.max(initial=-np.inf, where=where) for column in points.T]
-    return np.array([low, high])

@@ -7,8 +7,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import ranges, starts
 from ..records import dataclass
-from .outlines import Outlines, ranges, starts
+from .outlines import Outlines
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 from ..errors import MeshError
 from ..mesh.triangles import size_hint
 from ..model import BoolArray, IntArray, TriangleMesh
-from ..pattern.chunks import in_chunks, in_threads
+from ..parallel import in_chunks, in_threads
+from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
 from .bands import linked_outlines
 from .open_layers import check_open
-from .outlines import Outlines, sums
+from .outlines import Outlines
 from .overlaps import overlaps
 from .planes import Layers, layer_stack
 from .regions import Regions, gathered, regions_of

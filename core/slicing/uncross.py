@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
+from ..ragged import following, ranges, starts
 from .cycles import cycles
-from .outlines import Outlines, following, interpolated, ranges, starts
+from .outlines import Outlines, interpolated
 
 _OBLIQUE = np.array([1.0, 0.6180339887])  # along it hardly any two segments of straight walls lie side by side
 _MOST_PAIRS = 256  # for each segment; where more have to be looked at, GEOS is faster

@@ -7,7 +7,8 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
-from .outlines import Outlines, interpolated, starts
+from ..ragged import starts
+from .outlines import Outlines, interpolated
 
 # Odd numbers with bits all over, to scatter coordinates by.
 _SCATTER = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F], dtype=np.uint64)

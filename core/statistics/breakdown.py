@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..model import FloatArray
+from ..paths import Feature
 from ..settings import PrintSettings
-from ..toolpaths.moves import Feature, Moves
+from ..toolpaths.moves import Moves
 from .time_and_filament import filament_use, move_seconds, tool_change_rows
 
 # Rules of thumb for an enclosed printer in a room of this temperature; they only tell how long to wait for the start.

@@ -8,13 +8,14 @@ import numpy as np
 import shapely
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..paths import Feature, Paths
 from ..pattern.wave import WavedOutlines
+from ..ragged import following, ranges, starts, sums
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import following, ranges, starts, sums
 from ..slicing.planes import Layers
 from ..toolpaths.assemble import assemble
-from ..toolpaths.moves import Feature, Moves, Paths
+from ..toolpaths.moves import Moves
 from ..toolpaths.order import ordered
 from ..toolpaths.travels import Rooms
 from .time_and_filament import move_seconds, tool_change_rows

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..pattern.chunks import in_chunks
+from ..parallel import in_chunks
+from ..paths import Feature
 from ..printer import Four, PrinterProfile
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..toolpaths.moves import Feature, Moves
+from ..toolpaths.moves import Moves
 
 _SHORTEST_MM = 1e-9
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import ranges
 from ..records import dataclass
-from ..slicing.outlines import ranges
 from ..toolpaths.moves import Moves
 from .spans import unsupported_distance
 

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
+from ..paths import Feature
 from ..pattern.wave import WavedOutlines
-from ..toolpaths.moves import Feature, Moves
+from ..toolpaths.moves import Moves
 from .beads import Strands
 
 NO_TONE = -1.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
-from ..pattern.chunks import in_threads
-from ..slicing.outlines import ranges
+from ..parallel import in_threads
+from ..ragged import ranges
 
 FARTHEST = 8.0
 """Unsupported distances beyond this, mm, are told as this."""

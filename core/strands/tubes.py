@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import ranges
 from ..records import dataclass
-from ..slicing.outlines import ranges
 from .beads import Strands, offsets, semi_axes
 
 SIDES = 8

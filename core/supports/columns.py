@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
+from ..model import Shapes
+from ..parallel import geos_in_threads
 from ..slicing.regions import gathered
 from .overhangs import Contacts
 from .overlay import GRID_MM, SIMPLIFY_MM, areas, difference, intersection, nothing
@@ -48,7 +49,7 @@ def _of_layers_above(areas: Shapes, layers: int) -> Shapes:
     window = np.append(areas, nothing(1))[rows]
     some = np.flatnonzero(~shapely.is_empty(window).all(axis=1))
     united = nothing(count)
-    (united[some],) = in_chunks(lambda part: (shapely.union_all(part, axis=1),), window[some])
+    (united[some],) = geos_in_threads(lambda part: (shapely.union_all(part, axis=1),), window[some])
     return united
 
 

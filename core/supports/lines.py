@@ -7,12 +7,12 @@ import shapely
 
 from ..fill.hatch import crossings, long_enough, rotated, spans
 from ..fill.joining import LinkLimits, joined
-from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, Shapes
+from ..parallel import geos_in_threads
+from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..toolpaths.moves import Feature, Paths
 from .overlay import difference, intersection, nothing, once, thickness
 
 SUPPORT_ISLAND = -3
@@ -64,7 +64,7 @@ def interface(found: Shapes, contact: Shapes, settings: PrintSettings) -> Shapes
         close[some] = intersection(areas[some], whole)
         return (close,)
 
-    (close,) = in_chunks(chunk, found, near)
+    (close,) = geos_in_threads(chunk, found, near)
     return close
 
 
@@ -81,7 +81,7 @@ def support_lines(found: Shapes, close: Shapes, settings: PrintSettings) -> Path
     """
     width = settings.extrusion_width
     below, rows = found.copy(), np.flatnonzero(~shapely.is_empty(close))
-    (below[rows],) = in_chunks(lambda areas, part: (difference(areas, part),), found[rows], close[rows])
+    (below[rows],) = geos_in_threads(lambda areas, part: (difference(areas, part),), found[rows], close[rows])
     layer = np.arange(len(found))
     wide, fine = settings.support_spacing, min(settings.support_interface_spacing, settings.support_spacing)
     parts = []

@@ -6,10 +6,10 @@ import numpy as np
 import shapely
 
 from ..errors import MeshError
-from ..fill.parallel import Shapes, in_chunks
 from ..mesh.polygons import triangle_corners
 from ..mesh.triangles import weld
-from ..model import BoolArray, FloatArray, IntArray, SupportMark, SupportVolume, TriangleMesh
+from ..model import BoolArray, FloatArray, IntArray, Shapes, SupportMark, SupportVolume, TriangleMesh
+from ..parallel import geos_in_threads
 from ..records import dataclass
 from ..slicing.intersect import intersect
 from ..slicing.link import link
@@ -97,7 +97,7 @@ def _hulls(points: FloatArray, face: IntArray, slab: IntArray, count: int) -> Sh
     hulls = shapely.convex_hull(shapely.multipoints(points, indices=np.cumsum(new) - 1))
     owner = slab[new]
     flat = shapely.get_dimensions(hulls) == 2
-    (areas,) = in_chunks(
+    (areas,) = geos_in_threads(
         lambda parts: (shapely.buffer(parts, _MARGIN_MM, join_style="mitre", mitre_limit=2.0),),
         gathered(hulls[flat], owner[flat], count),
     )

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, Shapes
+from ..parallel import geos_in_threads
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
@@ -110,7 +110,7 @@ def overhangs(regions: Shapes, reach: FloatArray) -> Shapes:
         regions: (L,) cross-sections.
         reach: (L,) mm.
     """
-    (outlines,) = in_chunks(lambda part: (simplified(part, TOLERANCE_MM),), regions)
+    (outlines,) = geos_in_threads(lambda part: (simplified(part, TOLERANCE_MM),), regions)
 
     def chunk(above: Shapes, below: Shapes, allowed: FloatArray) -> tuple[Shapes]:
         held = offset(below, allowed)
@@ -126,7 +126,7 @@ def overhangs(regions: Shapes, reach: FloatArray) -> Shapes:
 
     hanging = nothing(len(regions))
     if len(regions) > 1:
-        (hanging[1:],) = in_chunks(chunk, outlines[1:], outlines[:-1], reach[1:])
+        (hanging[1:],) = geos_in_threads(chunk, outlines[1:], outlines[:-1], reach[1:])
     return hanging
 
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes, in_chunks
-from ..model import FloatArray
+from ..model import FloatArray, Shapes
+from ..parallel import geos_in_threads
 
 GRID_MM = 0.01
 """Vertices of supports lie on this grid: overlays on it are exact, whatever the shapes have in common."""
@@ -50,7 +50,7 @@ def thickness(shapes: Shapes) -> FloatArray:
 def once(function: Callable[[Shapes], tuple[Shapes]], shapes: Shapes) -> Shapes:
     """(N,) what a function makes of each shape, in threads, asked once where shapes are the same."""
     _, first, same = _alike(shapes)
-    (made,) = in_chunks(function, shapes[first])
+    (made,) = geos_in_threads(function, shapes[first])
     return np.asarray(made[same])
 
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import shapely
 from shapely import Geometry
 
-from ..fill.parallel import Shapes
-from ..model import FloatArray, TriangleMesh
+from ..model import FloatArray, Shapes, TriangleMesh
+from ..paths import Paths
 from ..pattern.contours import Contours
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.slices import Slices
-from ..toolpaths.moves import Paths
 from .columns import columns, standing_on_bed
 from .lines import interface, support_lines
 from .marks import marks

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
-from ..model import FloatArray
+from ..model import FloatArray, Shapes
+from ..parallel import geos_in_threads
 from ..pattern.contours import Contours
 from ..pattern.wave import valley_lines
 from ..settings import PrintSettings
@@ -52,7 +52,7 @@ def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settin
         beside = offset(touching, settings.support_xy_distance)
         return simplified(touching, _TOLERANCE_MM), simplified(beside, _TOLERANCE_MM)
 
-    touching, beside = in_chunks(chunk, crests, cut.regions, wall)
+    touching, beside = geos_in_threads(chunk, crests, cut.regions, wall)
     return _with_neighbours(beside, touching, gap)
 
 
@@ -69,5 +69,5 @@ def _with_neighbours(beside: Shapes, touching: Shapes, gap: int) -> Shapes:
             result[rows] = shapely.union(whole[rows], more[rows])
             return (result,)
 
-        (taken[row],) = in_chunks(chunk, taken[row], touching[row + step])
+        (taken[row],) = geos_in_threads(chunk, taken[row], touching[row + step])
     return taken

@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes, in_chunks
 from ..fill.walls import offset, simplified
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, Shapes
+from ..parallel import geos_in_threads
 from ..slicing.regions import gathered
 from .overhangs import Contacts
 from .overlay import SIMPLIFY_MM, difference, once, thickness
@@ -100,10 +100,10 @@ def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, t
         rows = np.flatnonzero(growth == amount)
         whole[rows] = once(partial(_grown, by_mm=amount), parts[rows])
     grown = np.flatnonzero(growth > 0)
-    (whole[grown],) = in_chunks(_clipped, whole[grown], taken[layer[grown]])
+    (whole[grown],) = geos_in_threads(_clipped, whole[grown], taken[layer[grown]])
     pieces, owner = shapely.get_parts(whole, return_index=True)
     merged = gathered(pieces, layer[owner], count)
-    (merged,) = in_chunks(_united, merged)
+    (merged,) = geos_in_threads(_united, merged)
     pieces, owner = shapely.get_parts(merged, return_index=True)
     pieces, row = shapely.get_parts(once(_opened, pieces), return_index=True)
     return gathered(pieces, owner[row], count)

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mesh.corners import complex_uv
 from ..model import FloatArray, IntArray, TriangleMesh
-from ..pattern.chunks import CHUNK_ROWS
+from ..parallel import CHUNK_ROWS
 
 NO_ISLAND = -1
 
@@ -50,11 +51,6 @@ def corner_places(mesh: TriangleMesh, faces: IntArray) -> IntArray:
         key = _mixed(place[row, corner], texture[row], steps[:, 0], steps[:, 1])
         place[row, corner] = len(mesh.vertices) + np.unique(key, return_inverse=True)[1]
     return place
-
-
-def complex_uv(face_uv: FloatArray) -> NDArray[np.complex128]:
-    """(T, 3) u + iv of UVs (T, 3, 2): one number a corner."""
-    return np.ascontiguousarray(face_uv, dtype=np.float64).view(np.complex128)[..., 0]
 
 
 def uv_areas(face_uv: FloatArray) -> FloatArray:

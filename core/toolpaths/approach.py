@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..paths import Feature
+from ..ragged import ranges, sums
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import ranges, sums
 from ..slicing.planes import Layers
-from .moves import Feature, Moves
+from .moves import Moves
 from .order import OrderedPaths
 from .travels import Travels
 

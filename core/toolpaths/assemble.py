@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
+from ..paths import Feature
+from ..ragged import ranges, starts
 from ..settings import PrintSettings
-from ..slicing.outlines import ranges, starts
 from ..slicing.planes import Layers
 from .approach import approaches, fill_approaches
-from .moves import Feature, Moves
+from .moves import Moves
 from .order import OrderedPaths
 from .speeds import chord_lengths, extrusion_speeds
 from .tool_turns import tool_of_paths

@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ..paths import Feature, Paths
 from ..settings import PrintSettings
 from .loops import Turn, exterior_rings, first_layer_loops, loop_points
-from .moves import Feature, Paths
 
 _CORNER_TOLERANCE_MM = 0.02
 

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import FloatArray
-from .moves import Feature, Paths
+from ..paths import Feature, Paths
 
 
 class Turn(IntEnum):

@@ -1,105 +1,14 @@
-"""The two tables that every feature of the print ends in: unordered paths, then ordered moves."""
+"""The print in order: the table of moves that time, preview and files are made from."""
 
 from __future__ import annotations
 
 from dataclasses import fields
-from enum import IntEnum
 
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..paths import Feature
 from ..records import dataclass
-
-
-class Feature(IntEnum):
-    """What a line of the print is for."""
-
-    TRAVEL = 0
-    RETRACT = 1
-    OUTER_WALL = 2
-    INNER_WALL = 3
-    SKIN = 4
-    INFILL = 5
-    TOWER = 6
-    SKIRT = 7
-    SUPPORT = 8
-    SUPPORT_INTERFACE = 9
-    BRIM = 10
-    RAFT = 11
-    OOZE_SHIELD = 12
-    BRIDGE = 13
-
-
-@dataclass(frozen=True)
-class Paths:
-    """Polylines to extrude, of all layers, in no order yet. K paths with N points in all.
-
-    Attributes:
-        points: (N, 2) float64 mm; a closed path does not repeat its first point.
-        start: (K + 1,) int64, where each path's points start.
-        layer: (K,) int64.
-        feature: (K,) int64, a `Feature`.
-        island: (K,) int64, which connected region of its layer a path belongs to; printed together.
-        closed: (K,) bool.
-        width: (N,) float64 mm, of the line that leaves each point.
-        swapped: (K,) bool, printed by the other tool than its layer's; None where no path is.
-    """
-
-    points: FloatArray
-    start: IntArray
-    layer: IntArray
-    feature: IntArray
-    island: IntArray
-    closed: BoolArray
-    width: FloatArray
-    swapped: BoolArray | None = None
-
-    @staticmethod
-    def empty() -> Paths:
-        """No path at all."""
-        none = np.zeros(0, dtype=np.int64)
-        return Paths(np.zeros((0, 2)), np.zeros(1, dtype=np.int64), none, none, none, none.astype(bool), np.zeros(0))
-
-    @property
-    def first_layer(self) -> Paths:
-        """The paths of layer 0, as views; the layers must not decrease."""
-        count = int(np.searchsorted(self.layer, 1))
-        points = slice(0, self.start[count])
-        return Paths(
-            points=self.points[points],
-            start=self.start[: count + 1],
-            layer=self.layer[:count],
-            feature=self.feature[:count],
-            island=self.island[:count],
-            closed=self.closed[:count],
-            width=self.width[points],
-            swapped=None if self.swapped is None else self.swapped[:count],
-        )
-
-    @staticmethod
-    def joined(parts: list[Paths]) -> Paths:
-        """All paths of several tables in one."""
-        parts = [part for part in parts if len(part.layer)] or [Paths.empty()]
-        counts = np.concatenate([np.diff(part.start) for part in parts])
-        return Paths(
-            points=np.concatenate([part.points for part in parts]),
-            start=np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
-            layer=np.concatenate([part.layer for part in parts]),
-            feature=np.concatenate([part.feature for part in parts]),
-            island=np.concatenate([part.island for part in parts]),
-            closed=np.concatenate([part.closed for part in parts]),
-            width=np.concatenate([part.width for part in parts]),
-            swapped=Paths._swapped(parts),
-        )
-
-    @staticmethod
-    def _swapped(parts: list[Paths]) -> BoolArray | None:
-        if all(part.swapped is None for part in parts):
-            return None
-        none = (np.zeros(len(part.layer), dtype=bool) for part in parts)
-        columns = [own if part.swapped is None else part.swapped for part, own in zip(parts, none, strict=True)]
-        swapped: BoolArray = np.concatenate(columns)
-        return swapped
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..paths import Feature, Paths
+from ..ragged import ranges, starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import ranges, starts
-from .moves import Feature, Paths
 from .seams import has_seam, seam_offsets
 from .tool_turns import tool_turns
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..fill.parallel import Shapes, in_chunks
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray, Shapes
+from ..parallel import geos_in_threads
+from ..paths import Feature, Paths
 from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
-from ..slicing.outlines import ahead, preceding, ranges, starts, sums
+from ..ragged import ahead, preceding, ranges, starts, sums
 from ..slicing.regions import gathered, ring_polygons
-from .moves import Feature, Paths
 
 
 def outer_wall_paths(waved: WavedOutlines) -> Paths:
@@ -127,7 +127,7 @@ def _rings(points: FloatArray, start: IntArray, loops: IntArray, tolerance: floa
     Where a loop folds over itself, the folds go, which run backwards around nothing: simplifying mends what it returns.
     """
     rings = ring_polygons(points, start, loops, np.arange(len(loops) + 1))
-    return in_chunks(lambda some: (shapely.simplify(some, tolerance, preserve_topology=False),), rings)[0]
+    return geos_in_threads(lambda some: (shapely.simplify(some, tolerance, preserve_topology=False),), rings)[0]
 
 
 def _signed_area(points: FloatArray, start: IntArray) -> FloatArray:

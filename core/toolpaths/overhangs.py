@@ -13,12 +13,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..fill.parallel import Shapes
-from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..model import BoolArray, FloatArray, IntArray, Shapes, TriangleMesh
+from ..paths import Feature
+from ..ragged import ranges
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import ranges
-from .moves import Feature
 from .order import OrderedPaths
 
 Scalar = TypeVar("Scalar", bound=np.generic)

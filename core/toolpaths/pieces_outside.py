@@ -7,8 +7,8 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import ranges, starts
 from ..records import dataclass
-from ..slicing.outlines import ranges, starts
 
 # Pairs of a line and an edge of its room that are looked at together.
 _MOST_PAIRS = 1 << 17

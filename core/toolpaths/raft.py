@@ -8,10 +8,10 @@ import numpy as np
 import shapely
 
 from ..fill.paths import Hatching, hatch_paths
+from ..paths import Feature, Paths
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from .loops import Turn
-from .moves import Feature, Paths
 
 _BASE_SPACING = 2.0  # of the lowest layer, in line widths: it gives way when it is torn off the bed
 _SMOOTH_MM = 2.0

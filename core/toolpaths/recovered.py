@@ -8,8 +8,9 @@ import numpy as np
 
 from ..errors import PrintError
 from ..model import BoolArray, FloatArray, IntArray
+from ..paths import Feature
 from ..settings import PrintSettings
-from .moves import Feature, Moves
+from .moves import Moves
 
 UNKNOWN = -1
 _LEAST_PRIMING = 0.01  # mm of filament

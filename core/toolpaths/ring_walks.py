@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ..model import FloatArray, IntArray
-from ..slicing.outlines import ranges, starts
+from ..ragged import ranges, starts
 from .pieces_outside import Boundaries, Pieces
 
 

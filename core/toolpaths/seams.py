@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..paths import Feature, Paths
 from ..pattern.grid import nearest
+from ..ragged import following, preceding, ranges, starts, sums
 from ..settings import PrintSettings
-from ..slicing.outlines import following, preceding, ranges, starts, sums
-from .moves import Feature, Paths
 
 # What steps back less is as good as straight (mm).
 _LEAST_VALLEY_MM = 0.05

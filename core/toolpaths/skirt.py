@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from ..paths import Feature, Paths
 from ..settings import PrintSettings
 from .loops import Turn, exterior_rings, first_layer_loops, loop_points
-from .moves import Feature, Paths
 
 CORNER_TOLERANCE_MM = 0.05
 LEAST_DISTANCE_MM = 1.0

@@ -24,10 +24,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
-from ..pattern.chunks import in_chunks
+from ..parallel import in_chunks
+from ..paths import Feature
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
-from .moves import Feature
 from .order import OrderedPaths
 
 _SHORTEST_MM = 1e-9

@@ -6,15 +6,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, bounds
+from ..paths import Paths
 from ..pattern.contours import POINTS_PER_WAVELENGTH
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import bounds
 from ..slicing.planes import Layers, line_widths
 from .brim import brim_area, brim_paths
 from .loops import exterior_rings
-from .moves import Paths
 from .placement import placed, turned
 from .raft import raft_area, raft_paths
 from .shield import shield_area, shield_paths

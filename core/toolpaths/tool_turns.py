@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, IntArray
+from ..paths import Feature, Paths
 from ..pattern.modulation import layer_is_black
 from ..settings import PrintSettings
-from .moves import Feature, Paths
 
 
 def tool_of_layer(layer: IntArray, settings: PrintSettings) -> IntArray:

@@ -6,10 +6,10 @@ import numpy as np
 import shapely
 
 from ..model import FloatArray
+from ..paths import Feature, Paths
+from ..ragged import starts
 from ..settings import PrintSettings
-from ..slicing.outlines import starts
 from .loops import Turn, exterior_rings, first_layer_loops, loop_points
-from .moves import Feature, Paths
 
 MOST_LOOPS = 1000
 PROPORTION = 1.4  # width of the W over its depth: about equally stiff both ways

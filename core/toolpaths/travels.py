@@ -7,9 +7,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.outlines import starts
 from .order import OrderedPaths
 from .pieces_outside import Boundaries, Pieces, boundaries, pieces_outside
 from .ring_walks import on_rings, walks_along

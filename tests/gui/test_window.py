@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.gcode.reader import read_gcode
-from dualcolor.core.toolpaths.moves import Feature
+from dualcolor.core.paths import Feature
 from PIL import Image
 from user import User
 from window import missing

@@ -1,4 +1,4 @@
-"""Run numpy over parts of long arrays in threads: it releases the interpreter lock, and a part stays in the cache."""
+"""Long arrays worked on in parts, in threads: numpy and GEOS release the interpreter lock."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import IntArray
+from .model import IntArray, Shapes
 
 CHUNK_ROWS = 1 << 14
+
+_THREADS = os.cpu_count() or 1
+_LEAST_SHAPES = 48  # for a thread: below, numpy's calls cost more than what they call
 
 Part = TypeVar("Part")
 Result = TypeVar("Result")
@@ -59,5 +62,31 @@ def runs_of_layers(layer: IntArray, start: IntArray, at_once: int) -> Iterable[t
 
 def in_threads(function: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
     """Apply a function to every part, several at a time; the results in the order of the parts."""
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(_THREADS) as pool:
         return list(pool.map(function, parts))
+
+
+def geos_in_threads(function: Callable[..., tuple[Shapes, ...]], *columns: NDArray[Any]) -> tuple[Shapes, ...]:
+    """Apply a function to parts of several arrays in threads and put the results together again.
+
+    With n threads each takes every n-th row, as the layers of one end of a model cost more than those of the other.
+
+    Args:
+        function: from parts, (n,) each, to a tuple of (n,) arrays; row i of a result may depend on row i only.
+        columns: (N,) arrays of one length.
+
+    Returns:
+        The tuple that `function(*columns)` would have given.
+    """
+    count = len(columns[0])
+    chunks = min(_THREADS, count // _LEAST_SHAPES)
+    if chunks < 2:
+        return function(*columns)
+    with ThreadPoolExecutor(chunks) as pool:
+        parts = ([column[first::chunks] for column in columns] for first in range(chunks))
+        results = list(pool.map(lambda part: function(*part), parts))
+    together = tuple(np.empty(count, dtype=column.dtype) for column in results[0])
+    for first, result in enumerate(results):
+        for column, part in zip(together, result, strict=True):
+            column[first::chunks] = part
+    return together
