@@ -23,8 +23,8 @@ import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from dualcolor.bridge.instrument import Face, photograph  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
-from dualcolor.core.analysis.overlay import surface_points  # noqa: E402
 from dualcolor.core.analysis.study import Analysis, analyse  # noqa: E402
+from dualcolor.core.analysis.surface_curves import surface_points  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.pattern.slant import slant_along  # noqa: E402

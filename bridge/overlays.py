@@ -8,7 +8,8 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..core.analysis.overlay import (
+from ..core.analysis.study import Analysis
+from ..core.analysis.surface_curves import (
     BIRTH_COLOUR,
     DEATH_COLOUR,
     DEGRADED_COLOUR,
@@ -27,9 +28,8 @@ from ..core.analysis.overlay import (
     sample_points,
     trace_curves,
 )
-from ..core.analysis.slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
-from ..core.analysis.study import Analysis
 from ..core.model import BoolArray, FloatArray
+from ..core.printability.slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
 from ..core.texture.decode import linear_from_srgb
 from .curves import bed_origin, new_curves, set_drawing
 from .kept import kept_json

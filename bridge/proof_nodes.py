@@ -12,7 +12,7 @@ import math
 
 import bpy
 
-from ..core.analysis.slopes import DEGRADED_DEG, GONE_DEG
+from ..core.printability.slopes import DEGRADED_DEG, GONE_DEG
 from ..core.records import dataclass
 from ..core.soft_proof import TAPS
 from ..core.texture.decode import LUMINANCE

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from .analysis.surface_points import points_on_faces
 from .calibration.about import tone_settings
 from .calibration.calibrate import table_for
 from .calibration.gamut_mapping import image_range, printable_tones
 from .mesh.polygons import triangle_corners
+from .mesh.surface_points import points_on_faces
 from .mesh.triangles import checked
 from .model import Float32Array, FloatArray, IntArray, SurfaceModel
 from .records import dataclass

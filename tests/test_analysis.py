@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from dualcolor.core.analysis.figures import heatmap, slope_picture, traceline_picture
 from dualcolor.core.analysis.orientation import directions, suggested, upright
-from dualcolor.core.analysis.overlay import (
+from dualcolor.core.analysis.picture import Stroke, dots, draw
+from dualcolor.core.analysis.study import NO_SEAMS, analyse, faded_share
+from dualcolor.core.analysis.surface_curves import (
     BIRTH_COLOUR,
     HEAT_COLOURS,
     HEAT_STOPS,
@@ -14,16 +16,14 @@ from dualcolor.core.analysis.overlay import (
     stretches,
     trace_curves,
 )
-from dualcolor.core.analysis.picture import Stroke, dots, draw
-from dualcolor.core.analysis.slopes import face_contrast, slope_report, slope_warnings
-from dualcolor.core.analysis.study import NO_SEAMS, analyse, faded_share
-from dualcolor.core.analysis.surface_points import points_on_faces
 from dualcolor.core.analysis.tracelines import tracelines
 from dualcolor.core.errors import PrintError
+from dualcolor.core.mesh.surface_points import points_on_faces
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.quality import SeamErrors
 from dualcolor.core.pattern.sampling import Projector, Samples
 from dualcolor.core.pattern.wave import places
+from dualcolor.core.printability.slopes import face_contrast, slope_report, slope_warnings
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.texture.pyramid import build_pyramids
 from dualcolor.tests.solids import box, cylinder, lathe, surface

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.commands.terminal import summary
-from dualcolor.core.analysis.footing import footing_warnings, line_warnings
 from dualcolor.core.pipeline import generate
+from dualcolor.core.printability.footing import footing_warnings, line_warnings
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.solids import box, joined, lathe
 

@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from dualcolor.core.analysis.thin_features import thin_features, thin_report
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pipeline import generate
+from dualcolor.core.printability.thin_features import thin_features, thin_report
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import box, cylinder, joined, lathe, surface

@@ -1,1 +1,1 @@
-"""What will be seen of the pattern: seams, tracelines, slopes, and how to turn the object."""
+"""The analysis before a print: where seams and tracelines will show, and which way up the object shows its picture best."""

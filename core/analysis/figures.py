@@ -6,8 +6,11 @@ import numpy as np
 
 from ..errors import PrintError
 from ..model import FloatArray
+from ..printability.slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
 from ..viewing import Picture
-from .overlay import (
+from .picture import CLAY, Stroke, dots, draw
+from .study import NO_SEAMS, Analysis
+from .surface_curves import (
     BIRTH_COLOUR,
     DEATH_COLOUR,
     DEGRADED_COLOUR,
@@ -25,9 +28,6 @@ from .overlay import (
     sample_points,
     trace_curves,
 )
-from .picture import CLAY, Stroke, dots, draw
-from .slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
-from .study import NO_SEAMS, Analysis
 
 
 def heatmap(found: Analysis, view: tuple[float, float], pixels: int = 900) -> Picture:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
+from ..printability.slopes import DEGRADED_DEG, GONE_DEG, FaceContrast
 from ..records import dataclass
 from ..settings import PrintSettings
-from .slopes import DEGRADED_DEG, GONE_DEG, FaceContrast
 
 SUPPORT_WEIGHT, HEIGHT_WEIGHT, STANDING_WEIGHT = 0.4, 0.1, 0.15
 """What support over half the surface, the greatest height of all, and standing on a tip cost against all contrast."""

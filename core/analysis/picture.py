@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..mesh.surface_points import points_on_faces
 from ..model import FloatArray, IntArray, TriangleMesh
 from ..ragged import ranges
 from ..records import dataclass
 from ..viewing import Picture
-from .overlay import Rgb, SurfaceCurves
-from .surface_points import points_on_faces
+from .surface_curves import Rgb, SurfaceCurves
 
 CLAY: Rgb = (0.86, 0.85, 0.83)
 """Faces that nothing is said about."""

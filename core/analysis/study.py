@@ -17,13 +17,13 @@ from ..pattern.quality import SeamErrors
 from ..pattern.sampling import Projector, Samples
 from ..pattern.visibility import at_arcs, visibility_warnings
 from ..pattern.wave import modulated
+from ..printability.slopes import FaceContrast, face_contrast, slope_report, slope_warnings
 from ..progress import Progress, drained
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..texture.pyramid import build_pyramids
 from .orientation import Orientation, suggested
-from .slopes import FaceContrast, face_contrast, slope_report, slope_warnings
 from .tracelines import Tracelines, tracelines
 
 NO_SEAMS = "The pattern `offset` has no waves, so there are no seams to analyse: choose wave or wave_offset"

@@ -9,7 +9,7 @@ from ..model import BoolArray, IntArray, Shapes
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
-from .overlay import parted
+from .clipping import parted
 from .walls import offset
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid

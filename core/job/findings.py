@@ -6,9 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.footing import footing_warnings, line_warnings
-from ..analysis.slopes import slope_report, slope_warnings
-from ..analysis.thin_features import thin_report, thin_warnings
 from ..gcode.standby import standby_warnings
 from ..mesh.plate import object_rows, plate_warnings
 from ..mesh.triangles import size_warnings
@@ -17,6 +14,9 @@ from ..paths import Feature
 from ..pattern.contours import Contours
 from ..pattern.sampling import Samples
 from ..pattern.visibility import at_arcs, visibility_warnings
+from ..printability.footing import footing_warnings, line_warnings
+from ..printability.slopes import slope_report, slope_warnings
+from ..printability.thin_features import thin_report, thin_warnings
 from ..settings import PrintSettings
 from ..slicing.open_layers import open_warnings
 from ..slicing.planes import line_widths

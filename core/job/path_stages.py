@@ -8,18 +8,18 @@ from dataclasses import replace
 
 from shapely import Geometry, get_parts
 
-from ..analysis.thin_features import ThinFeatures, thin_features
 from ..fill.paths import fill_areas, fill_lines
 from ..model import Shapes
 from ..paths import Paths
 from ..pattern.contours import Contours
+from ..printability.thin_features import ThinFeatures, thin_features
 from ..progress import Progress
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..slicing.slices import Slices
 from ..statistics.single_color import SingleColor, single_color
-from ..supports.overlay import distinct
+from ..supports.grid_overlay import distinct
 from ..supports.paths import Supports, on_bed, supports
 from ..toolpaths.assemble import assemble
 from ..toolpaths.moves import Moves

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from ..analysis.slopes import FaceContrast, face_contrast
 from ..calibration.calibrate import calibrated
 from ..fill.closing import Closing, closing
 from ..mesh.triangles import triangulate
@@ -22,6 +21,7 @@ from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_rep
 from ..pattern.strand_edges import widened
 from ..pattern.visibility import seam_visibility
 from ..pattern.wave import WavedOutlines, average_along_wall, modulated, waved
+from ..printability.slopes import FaceContrast, face_contrast
 from ..progress import Progress
 from ..records import dataclass
 from ..settings import PrintSettings

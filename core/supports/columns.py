@@ -9,8 +9,8 @@ from ..fill.walls import offset, simplified
 from ..model import Shapes
 from ..parallel import geos_in_threads
 from ..slicing.regions import gathered
+from .grid_overlay import GRID_MM, SIMPLIFY_MM, areas, difference, intersection, nothing
 from .overhangs import Contacts
-from .overlay import GRID_MM, SIMPLIFY_MM, areas, difference, intersection, nothing
 
 # Gaps and bays narrower than twice this, mm, are filled.
 _HALF_GAP_MM = 0.5

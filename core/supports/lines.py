@@ -13,7 +13,7 @@ from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
-from .overlay import difference, intersection, nothing, once, thickness
+from .grid_overlay import difference, intersection, nothing, once, thickness
 
 SUPPORT_ISLAND = -3
 # Lines run along X, and the close ones across them, so that they do not fall between.

@@ -14,7 +14,7 @@ from ..records import dataclass
 from ..slicing.intersect import intersect
 from ..slicing.link import link
 from ..slicing.regions import gathered, solid_regions
-from .overlay import nothing
+from .grid_overlay import nothing
 
 # Marked areas reach farther than their faces by this much, mm: more than outlines are simplified by.
 _MARGIN_MM = 0.05

@@ -13,8 +13,8 @@ from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..slicing.regions import gathered
 from ..slicing.slices import Slices
+from .grid_overlay import areas, nothing, thickness
 from .marks import Marks
-from .overlay import areas, nothing, thickness
 
 # Outlines are simplified by this much, mm, before layers are compared.
 TOLERANCE_MM = 0.02

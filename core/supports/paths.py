@@ -12,10 +12,10 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.slices import Slices
 from .columns import columns, standing_on_bed
+from .grid_overlay import nothing
 from .lines import interface, support_lines
 from .marks import marks
 from .overhangs import contacts
-from .overlay import nothing
 from .room import taken_room
 from .stability import steady
 

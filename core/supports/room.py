@@ -15,7 +15,7 @@ from ..slicing.planes import line_widths
 from ..slicing.regions import gathered
 from ..slicing.slices import Slices
 from ..toolpaths.outer_wall import inside_of_lines
-from .overlay import GRID_MM, SIMPLIFY_MM
+from .grid_overlay import GRID_MM, SIMPLIFY_MM
 
 # The object's outlines may differ from the true ones by this much, mm.
 _TOLERANCE_MM = 0.03

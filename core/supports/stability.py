@@ -11,8 +11,8 @@ from ..fill.walls import offset, simplified
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..slicing.regions import gathered
+from .grid_overlay import SIMPLIFY_MM, difference, once, thickness
 from .overhangs import Contacts
-from .overlay import SIMPLIFY_MM, difference, once, thickness
 
 # Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
 _WORTHWHILE_MM2 = 3.0

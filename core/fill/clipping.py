@@ -1,4 +1,4 @@
-"""What of regions lies within others and what beyond, of many at once: in half the time of GEOS.
+"""Polygon clipping: intersection and difference of many pairs of regions at once, in half the time of GEOS.
 
 Between two crossings an outline runs wholly within the other region or wholly beyond it; at a crossing the boundary of
 what both share, or of what one leaves of the other, goes over to the other outline (Weiler and Atherton 1977).

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh.surface_points import points_on_faces
 from ..model import FloatArray, IntArray, TriangleMesh
 from ..pattern.slant import face_slant_deg
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids
-from .surface_points import points_on_faces
 
 DEGRADED_DEG, GONE_DEG = 30.0, 20.0
 """Degrees from flat below which the tone loses resolution, and below which there is none (paper, Figure 9)."""

@@ -1,9 +1,9 @@
-"""Overlays of many regions at once, against GEOS and areas that are known."""
+"""Clipping of many regions at once, against GEOS and areas that are known."""
 
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.fill.overlay import parted
+from dualcolor.core.fill.clipping import parted
 from fill_shapes import annulus, blobs, shapes, square
 
 
