@@ -188,8 +188,9 @@ def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Line
     columns: list[NDArray[Any]] = [thousandths, written, steps, feeds, moves.tool, feedrate, fresh]
     before = np.arange(len(kept))
     if not kept.all():
-        columns = [column[..., kept] for column in columns]
         before = np.cumsum(kept) - kept
+        rows = np.flatnonzero(kept)
+        columns = [column.take(rows, axis=-1) for column in columns]
     lines = Lines(*(column.T for column in columns))
     lines.hastens[1:] |= lines.feedrate[1:] != lines.feedrate[:-1]
     return lines, before
