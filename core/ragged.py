@@ -10,6 +10,8 @@ import numpy as np
 
 from .model import FloatArray, IntArray
 
+_SUMMABLE = float(1 << 26)  # parts of a millimetre
+
 
 def starts(count: IntArray) -> IntArray:
     """(M + 1,) offsets of groups with `count` (M,) members each."""
@@ -53,3 +55,15 @@ def sums(values: FloatArray, start: IntArray) -> FloatArray:
         return np.add.reduceat(values, start[:-1])
     total = np.concatenate([[0.0], np.cumsum(values)])
     return np.asarray(total[start[1:]] - total[start[:-1]])
+
+
+def summable(lengths: FloatArray) -> FloatArray:
+    """Lengths in mm, rounded in place so that sums of up to 100 km are exact.
+
+    What lies between two places is then the same number whatever lies before them, so that some layers of a print can
+    be made anew without the others.
+    """
+    lengths *= _SUMMABLE
+    np.rint(lengths, out=lengths)
+    lengths /= _SUMMABLE
+    return lengths

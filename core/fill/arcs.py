@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import summable
 from ..records import dataclass
 from .hatch import Crossings
 
@@ -39,9 +40,9 @@ def arcs(cut: Crossings) -> Arcs:
     repeats = np.append(cut.vertex_ring[1:] != cut.vertex_ring[:-1], True)[: len(cut.vertices)]
     of_vertex[(ring_size == 0)[cut.vertex_ring] | repeats] = -1
 
-    steps = np.hypot(np.diff(cut.vertices[:, 0]), np.diff(cut.vertices[:, 1]))
+    steps = summable(np.hypot(np.diff(cut.vertices[:, 0]), np.diff(cut.vertices[:, 1])))
     travelled = np.concatenate([[0.0], np.cumsum(np.where(repeats[:-1], 0.0, steps))])[: len(cut.vertices)]
-    place = travelled[cut.edge] + np.hypot(*(cut.places - cut.vertices.take(cut.edge, axis=0)).T)
+    place = travelled[cut.edge] + summable(np.hypot(*(cut.places - cut.vertices.take(cut.edge, axis=0)).T))
     length = place[end] - place
     closing = np.flatnonzero(repeats)[cut.vertex_ring[cut.edge[last]]]
     opening = np.concatenate([[0], np.flatnonzero(repeats)[:-1] + 1])[cut.vertex_ring[cut.edge[last]]]

@@ -8,6 +8,8 @@ import shapely
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..records import dataclass
 
+_STEPS_A_MM = 1 << 14  # on scan lines, to tell what comes first
+
 
 @dataclass(frozen=True)
 class Crossings:
@@ -89,9 +91,11 @@ def spans(cut: Crossings) -> Spans:
     """Pair the crossings of each line of each region: from an odd one to the next one is inside."""
     lowest = int(cut.line.min(initial=0))
     lines = int(cut.line.max(initial=0)) - lowest + 1
-    # All in one number, line after line: exact to a ten-thousandth of a millimetre for a billion lines.
-    along = (cut.region * lines + cut.line - lowest) * (float(np.ptp(cut.x)) + 1.0 if len(cut.x) else 1.0) + cut.x
-    order = np.argsort(along, kind="stable")
+    place = np.floor(cut.x * _STEPS_A_MM).astype(np.int64)
+    place -= place.min(initial=0)
+    # All in one number, line after line.
+    place += (cut.region * lines + cut.line - lowest) * (int(place.max(initial=0)) + 1)
+    order = np.argsort(place, kind="stable")
     return Spans(order[0::2], order[1::2])
 
 

@@ -18,6 +18,7 @@ from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 
 _SHORTEST_MM = 1e-9
+_SUMMABLE = float(1 << 14)  # parts of a mm²/s²
 
 
 @dataclass(frozen=True)
@@ -211,13 +212,19 @@ def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatA
     """(S + 1,) mm²/s², squared speed u at which each node is passed.
 
     A segment that gains `w = 2·a·length` at most ties its ends by |u_i - u_{i+1}| ≤ w. With P the sum of the w
-    before a node, u + P must not exceed any later u + P, and u - P any earlier u - P: two running minima.
+    before a node, u + P must not exceed any later u + P, and u - P any earlier u - P: two running minima. All sums are
+    exact, so that between two stops a print takes as long whatever came before.
     """
     before = np.zeros(len(segments.length) + 1)
     np.multiply(segments.acceleration, segments.length, out=before[1:])
-    before *= 2
+    before *= 2 * _SUMMABLE
+    np.floor(before, out=before)
     np.cumsum(before, out=before)
+    before /= _SUMMABLE
     u = np.append(0.0, segments.corner)
+    u *= _SUMMABLE
+    np.floor(u, out=u)
+    u /= _SUMMABLE
     queue = printer.queue_moves
     np.minimum(u[:-queue], before[queue:] - before[:-queue], out=u[:-queue])
     u += before

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Feature
-from ..ragged import ranges, sums
+from ..ragged import ranges, summable, sums
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
@@ -208,7 +208,7 @@ def _pull_back(
         row = first[chosen] + step
         before = left[chosen].copy()
         wipes = approach.wipe[chosen] > 0
-        way = approach.wipe[chosen[wipes]] * (step + 1) / _WIPE_MOVES
+        way = summable(approach.wipe[chosen[wipes]] * ((step + 1) / _WIPE_MOVES))
         left[chosen[wipes], :2] = _along(paths, arc, chosen[wipes], way)
         pulled = amount[chosen] / pulls[chosen]
         way = np.hypot(*(left[chosen] - before)[:, :2].T)

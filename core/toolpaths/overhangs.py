@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray, Shapes, TriangleMesh
 from ..paths import Feature
-from ..ragged import ranges
+from ..ragged import ranges, summable
 from ..records import dataclass
 from ..settings import PrintSettings
 from .order import OrderedPaths
@@ -163,10 +163,12 @@ class _Lines:
 
 def _one_each(length: FloatArray, group: IntArray) -> IntArray:
     """Of pieces much shorter than `_PIECE` one for all that lie as near; the first of each group (P,) is among them."""
-    way = np.cumsum(length)
-    begins = np.ones(len(way), dtype=bool)
+    begins = np.ones(len(length), dtype=bool)
+    begins[1:] = group[1:] != group[:-1]
+    way = np.cumsum(summable(length.copy()))
+    way -= np.repeat(way[begins], np.diff(np.flatnonzero(np.append(begins, True))))
     window = (way / _PIECE).astype(np.int64)
-    begins[1:] = (window[1:] != window[:-1]) | (group[1:] != group[:-1])
+    begins[1:] |= window[1:] != window[:-1]
     return np.flatnonzero(begins)
 
 

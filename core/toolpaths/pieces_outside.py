@@ -7,7 +7,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..ragged import ranges, starts
+from ..ragged import ranges, starts, summable
 from ..records import dataclass
 
 # Pairs of a line and an edge of its room that are looked at together.
@@ -67,7 +67,7 @@ def boundaries(shapes: NDArray[np.object_]) -> Boundaries:
     points = shapely.get_coordinates(rings)
     ring_start = starts(shapely.get_num_points(rings))
     x, y = np.diff(points, axis=0, prepend=0.0).T
-    step = np.sqrt(x * x + y * y)
+    step = summable(np.sqrt(x * x + y * y))
     step[ring_start[:-1]] = 0.0
     arc = np.cumsum(step)
     arc -= np.repeat(arc[ring_start[:-1]], np.diff(ring_start))

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ..model import FloatArray, IntArray
-from ..ragged import ranges, starts
+from ..ragged import ranges, starts, summable
 from .pieces_outside import Boundaries, Pieces
 
 
@@ -50,7 +50,7 @@ def walks_along(
     Returns:
         (N, 2) mm, the places of all ways one after the other; (P + 1,) where each way starts.
     """
-    low, high = arc.T
+    low, high = summable(arc.T.copy())
     used, ring = np.unique(ring, return_inverse=True)
     inside_left = shapely.is_ccw(walls.rings[used]) != walls.hole[used]
     vertices, arc, base, length = _unrolled(walls, used)

@@ -26,6 +26,7 @@ import numpy as np
 from ..model import FloatArray, IntArray
 from ..parallel import in_chunks
 from ..paths import Feature
+from ..ragged import summable
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from .order import OrderedPaths
@@ -100,7 +101,7 @@ def chord_lengths(paths: OrderedPaths) -> FloatArray:
 
 def _distances(near: FloatArray, far: FloatArray) -> tuple[FloatArray]:
     x, y = np.subtract(far.T, near.T, order="C")
-    return (np.sqrt(x * x + y * y),)
+    return (summable(np.sqrt(x * x + y * y)),)
 
 
 def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, acceleration: float) -> FloatArray:
