@@ -124,7 +124,7 @@ def test_amount_of_filament_is_the_volume_of_the_lines(vase):
     laid = np.flatnonzero(moves.extrudes)
     length = np.linalg.norm(moves.position[laid] - moves.position[laid - 1], axis=1)
     volume = length * moves.width[laid] * moves.height[laid]
-    assert moves.filament[laid] * np.pi / 4 * 1.75**2 == pytest.approx(volume)
+    assert moves.filament[laid] * np.pi / 4 * 1.75**2 == pytest.approx(volume, rel=1e-6, abs=1e-8)
     assert (moves.position[laid, 2] == moves.position[laid - 1, 2]).all()
 
 
