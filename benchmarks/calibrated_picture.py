@@ -20,6 +20,7 @@ from launcher import load_package  # noqa: E402
 load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
+from dualcolor.benchmarks.tables import replace_table  # noqa: E402
 from dualcolor.bridge.image_input import image_tone, load_image  # noqa: E402
 from dualcolor.bridge.picture_print import picture_print  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
@@ -37,7 +38,6 @@ IMAGES = tuple(ROOT.parent / "shared" / "data" / "images" / f"{name}.png" for na
 PRESETS = {"paper": "waves (`paper`)", "waves_set_back": "shallow waves, set back (`waves_set_back`)",
            "set_back": "lines set back (`set_back`, default)"}  # fmt: skip
 OUT, PAGE = ROOT / "docs" / "images" / "calibration.png", ROOT / "docs" / "calibration.md"
-BEGIN, END = "<!-- plates begin -->\n", "<!-- plates end -->"
 WIDTH_MM, HEIGHT_MM, THICKNESS_MM, MM_PER_PIXEL, SAMPLES = 30.0, 35.5, 2.0, 0.1, 16
 WINDOW_MM = 2.0
 SIGMA_MM = WINDOW_MM / np.sqrt(12)  # of a Gaussian that spreads a point as far as such a window
@@ -103,9 +103,7 @@ def main() -> int:
             page.paste(image, (0, number * image.height))
         page.save(args.out, optimize=True)
     if args.write:
-        text = PAGE.read_text(encoding="utf-8")
-        before, after = text.index(BEGIN) + len(BEGIN), text.index(END)
-        PAGE.write_text(text[:before] + "\n".join([*HEAD, *rows, ""]) + text[after:], encoding="utf-8")
+        replace_table(PAGE, "plates", "\n".join([*HEAD, *rows, ""]))
     return 0
 
 

@@ -20,6 +20,7 @@ from launcher import load_package  # noqa: E402
 load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
+from dualcolor.benchmarks.tables import replace_table  # noqa: E402
 from dualcolor.bridge import gonioreflectometer  # noqa: E402
 from dualcolor.bridge.gonioreflectometer import WINDOW_WAVES, read_tile  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
@@ -31,7 +32,6 @@ from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 
 PAGE = ROOT / "docs" / "calibration.md"
-BEGIN, END = "<!-- gradient begins -->\n", "<!-- gradient ends -->"
 PRESETS = ("set_back", "waves_set_back", "paper")
 SLANTS = (0.0, 30.0, 60.0)
 WIDTH_MM, EVEN_MM, PLACES = 60.0, 8.0, 41
@@ -57,9 +57,7 @@ def main() -> int:
             rows.append(row(preset, slant))
             print(rows[-1], flush=True)
     if args.write:
-        text = PAGE.read_text(encoding="utf-8")
-        before, after = text.index(BEGIN) + len(BEGIN), text.index(END)
-        PAGE.write_text(text[:before] + "\n".join([*HEAD, *rows, ""]) + text[after:], encoding="utf-8")
+        replace_table(PAGE, "gradient", "\n".join([*HEAD, *rows, ""]))
     return 0
 
 

@@ -20,6 +20,7 @@ from launcher import load_package  # noqa: E402
 load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
+from dualcolor.benchmarks.tables import replace_table  # noqa: E402
 from dualcolor.bridge.gonioreflectometer import bare  # noqa: E402
 from dualcolor.bridge.instrument import Face, mounted  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
@@ -64,51 +65,13 @@ CANDIDATES: dict[str, dict[str, Any]] = {
     "set back 0.5": {"pattern": "offset", "offset_max": 0.5},
     "set back 0.7": {"pattern": "offset", "offset_max": 0.7},
 }
-HEAD = """# A wider range of tones
-
-Made by `benchmarks/gamut.py`. Upright tiles, printed in the computer by the whole job from mesh to strands and
-photographed face on in even light; plastics of reflectance 0.02 and 0.8; layers of 0.25 mm, lines of 0.4 mm.
-
-- *Range*: reflectance of tone 0 and of tone 1, and how many times the paper's range that is.
-- *Unsupported*: how far the middle of a strand lies outside the strand below, at most. A strand still lies on the
-  edge of the one below it while that is less than 0.2 mm, half its width.
-- *Contrast*: what is left of the pattern on an even tone after the eye's blur, standard deviation over mean, the
-  greatest of five tones. The blur is a Gaussian {arcmin:g} minute of arc wide at half its height, {blur:.2f} mm
-  from {distance:g} mm, the distance of a thing on a desk.
-- *Time*: of two colours against one, without a tower, by the model of the printer's planner: a cylinder of 30 mm,
-  an even mid grey. Of the paper's two models the paper says 1.20 and 1.29.
-
-| pattern | range | of the paper's | unsupported, mm | contrast | time |
-|---|---|---|---|---|---|
-"""
-TAIL = """
-**What was chosen.** Setting lines back, without waves, by 0.35 mm. It has more than four times the paper's range, with
-strands that stand out half as far; its pattern dissolves sooner than the paper's; and it prints in the least time, for
-waves have to be printed slowly where they bend. More set-back gains little: the strand that stands out loses its hold
-and sags over the one that is set back, which then is hidden anyway. Beginning to set back at a later tone, or waves
-that fade as the line is set back, change how tones are spread but not what can be reached, and the tone tables take
-care of the spreading.
-
-## From all sides
-
-Gamut maps as in the paper's Figure 7, by `dualcolor measure` and `dualcolor build-table`: a column a viewing angle,
-a row a tone; left the camera turns from below to above, right from left to right.
-
-| the paper's waves | lines set back |
-|---|---|
-| ![Gamut maps, waves](images/gamut_paper.png) | ![Gamut maps, set back](images/gamut_set_back.png) |
-
-What the paper reports shows in both: edge on, from above or below, only the strands that stand out are left, and tones
-move towards black or white. The waves' range is gone on a tile 10° from flat; that of the lines set back narrows there
-but stays, for on a slope every layer shows as a step, and set-back makes the steps of one colour narrower than those of
-the other.
-"""
+HEAD = "| pattern | range | of the paper's | unsupported, mm | contrast | time |\n|---|---|---|---|---|---|\n"
 
 
 def main() -> int:
     """Measure all candidates and write the page."""
     parser = argparse.ArgumentParser(description="Search for the pattern with the widest range of tones.")
-    parser.add_argument("--out", type=Path, default=OUT, metavar="FILE", help="Markdown file to write")
+    parser.add_argument("--out", type=Path, default=OUT, metavar="FILE", help="Markdown file whose table is replaced")
     args = parser.parse_args()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     lines: list[str] = []
@@ -123,9 +86,7 @@ def main() -> int:
         cells = [name, f"{dark:.2f} to {light:.2f}", f"{share:.1f}", f"{unsupported:.2f}", f"{contrast:.2f}"]
         lines.append(f"| {' | '.join(cells)} | {time:.2f} |")
         print(lines[-1], flush=True)
-    blur = DISTANCE_MM * math.tan(math.radians(BLUR_ARCMIN / 60))
-    head = HEAD.format(arcmin=BLUR_ARCMIN, blur=blur, distance=DISTANCE_MM)
-    args.out.write_text(head + "\n".join(lines) + "\n" + TAIL, encoding="utf-8")
+    replace_table(args.out, "gamut", HEAD + "\n".join(lines) + "\n")
     return 0
 
 

@@ -19,6 +19,7 @@ from launcher import load_package  # noqa: E402
 load_package()
 import numpy as np  # noqa: E402
 from dualcolor.benchmarks.models import obj_triangles, scaled  # noqa: E402
+from dualcolor.benchmarks.tables import replace_table  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.presets import preset_values  # noqa: E402
@@ -36,33 +37,18 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "preset `paper`, curves as the firmware allows": PAPER | UNLIMITED,
 }
 SPOT_MM = 20.0
-HEAD = """# Print times
-
-Made by `benchmarks/print_times.py`; seconds are those of the planner model (`core/statistics/time_and_filament.py`),
-heating apart. All times of a row have the same layers, walls, fill and speeds; the single colour prints the outlines as
-they are at `outline_speed` = {outline:g} mm/s. The single colour's time is told by some twenty layers of tall prints,
-within a hundredth. The objects are painted with soft spots, black to white, 20 mm apart.
-
-| object | settings | layers | single colour | dual colour | ratio | with tower | ratio | waved wall | tool changes |
-|---|---|---|---|---|---|---|---|---|---|
-"""
-TAIL = """
-The paper (figures of its own prints, other settings): gargoyle 5 h 48 min in one colour, 6 h 56 min in two (1.20),
-8 h 28 min with a tower (1.46); LucyCat 45, 58 and 102 min (1.29 and 2.27).
-
-With its default, lines set back without a wave, the program stays below the paper's ratios, with and without the tower.
-Waves cost more: they make the outline about 1.6 times as long and bend it to radii of 0.15 mm, where
-`max_curve_acceleration` = 1000 mm/s² leaves 12 mm/s. Without that limit (last rows) even the waves are as quick as the
-paper's, but in moves of 2 to 3 ms, which the printer's processor may not keep up with, and the frame shakes; so that is
-no default.
-"""
+HEAD = (
+    "| object | settings | layers | single colour | dual colour | ratio | with tower | ratio "
+    "| waved wall | tool changes |\n"
+    "|---|---|---|---|---|---|---|---|---|---|\n"
+)
 
 
 def main() -> int:
     """Measure all objects that are there and write the table."""
     parser = argparse.ArgumentParser(description="Compare print times in two colours and in one.")
     parser.add_argument("--data", type=Path, default=DATA, metavar="FOLDER", help="holds meshes/nc/*.obj")
-    parser.add_argument("--out", type=Path, default=OUT, metavar="FILE", help="Markdown file to write")
+    parser.add_argument("--out", type=Path, default=OUT, metavar="FILE", help="Markdown file whose table is replaced")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting for all rows")
     args = parser.parse_args()
     changes = dict(text.split("=", 1) for text in args.set)
@@ -76,8 +62,7 @@ def main() -> int:
             lines.append(row(name, title, path, height, PrintSettings().changed(changes | values)))
             print(lines[-1], flush=True)
     if lines:
-        head = HEAD.format(outline=PrintSettings().changed(changes).outline_speed)
-        args.out.write_text(head + "\n".join(lines) + "\n" + TAIL, encoding="utf-8")
+        replace_table(args.out, "print_times", HEAD + "\n".join(lines) + "\n")
     return 0
 
 

@@ -22,9 +22,9 @@ from typing import Any
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from benchmarks.models import MODELS  # noqa: E402
+from benchmarks.tables import replace_table  # noqa: E402
 
 README = HERE / "README.md"
-BEGIN, END = "<!-- regenerate begins -->\n", "<!-- regenerate ends -->"
 FIRST = "all, the first time"
 Times = tuple[float, float]
 
@@ -42,8 +42,7 @@ def main() -> int:
     text = markdown(rounds)
     print(text)
     if args.write:
-        before, _, rest = README.read_text(encoding="utf-8").partition(BEGIN)
-        README.write_text(before + BEGIN + text + END + rest.partition(END)[2], encoding="utf-8")
+        replace_table(README, "regenerate", text)
     return 0
 
 

@@ -17,6 +17,9 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))
+from benchmarks.tables import replace_table  # noqa: E402
+
 DATA = ROOT.parent / "shared" / "data"
 OUT = ROOT / "docs" / "robustness.md"
 KINDS = (".obj", ".stl", ".ply", ".glb")
@@ -25,7 +28,6 @@ LOWER_MM = {"colored_airplane": 25.0, "sign_base": 2.5, "sign_base_rounded": 2.5
 POINTS = 10_000
 TIMEOUT_S = 300
 UP = {"wingnut": "z", "distorted_a": "z", "colored_airplane": "y"}
-BEGIN, END = "<!-- {} begins -->", "<!-- {} ends -->"
 
 
 def main() -> int:
@@ -53,10 +55,8 @@ def main() -> int:
             tables[name] += row
         print("".join(rows.values()), end="", flush=True)
     if not args.names:
-        text = args.out.read_text(encoding="utf-8")
         for name, table in tables.items():
-            text = replaced(text, name, table)
-        args.out.write_text(text, encoding="utf-8")
+            replace_table(args.out, name, table)
     print(f"{bad} unkind outcomes")
     return 1 if bad else 0
 
@@ -91,7 +91,6 @@ def in_a_process(path: Path) -> dict[str, Any]:
 
 def tried(path: Path) -> dict[str, Any]:
     """What a file becomes: as it is and scaled; the points of the scaled one."""
-    sys.path.insert(0, str(ROOT))
     from launcher import load_package
 
     load_package()
@@ -184,13 +183,6 @@ def point_row(path: Path, found: dict[str, Any]) -> str:
         *(f"{points[key]:,}" for key in ("tried", "left_out", "unambiguous", "inside", "disagreements")),
     ]
     return f"| {' | '.join(cells)} |\n"
-
-
-def replaced(text: str, name: str, table: str) -> str:
-    """The text with another table between the marks of that name."""
-    before, _, rest = text.partition(BEGIN.format(name))
-    _, _, after = rest.partition(END.format(name))
-    return f"{before}{BEGIN.format(name)}\n\n{table}\n{END.format(name)}{after}"
 
 
 if __name__ == "__main__":

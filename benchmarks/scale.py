@@ -18,9 +18,10 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
+from benchmarks.tables import replace_table  # noqa: E402
+
 PLOT = ROOT / "docs" / "images" / "scale.png"
 README = ROOT / "benchmarks" / "README.md"
-BEGIN, END = "<!-- scale begins -->\n", "<!-- scale ends -->"
 MOST_MB = 2000
 _UPPER = 3
 # Diameter in mm, layer height in mm, subdivisions: layers × outline from 0.2 m to 2 km.
@@ -48,8 +49,7 @@ def main() -> int:
         ladder = [rows[name] for name in LADDER]
         plotted(ladder, args.plot)
         print(stated(ladder), end="")
-        before, _, rest = README.read_text(encoding="utf-8").partition(BEGIN)
-        README.write_text(before + BEGIN + markdown(rows, ladder) + END + rest.partition(END)[2], encoding="utf-8")
+        replace_table(README, "scale", markdown(rows, ladder))
     return 0 if all(each.get("peak_mb", MOST_MB) < MOST_MB for each in rows.values()) else 1
 
 

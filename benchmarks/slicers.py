@@ -27,11 +27,11 @@ from typing import Any
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from benchmarks.models import MODELS  # noqa: E402
+from benchmarks.tables import replace_table  # noqa: E402
 
 DATA = HERE.parent.parent / "shared" / "data"
 README = HERE / "README.md"
 DEFINITIONS = Path("/usr/share/cura/resources/definitions")
-BEGIN, END = "<!-- race begins -->\n", "<!-- race ends -->"
 # Where the picture becomes the pattern: what a slicer does not have.
 PATTERN_STAGES = ("sampling", "texture", "tone", "modulation")
 PRUSA_OPTIONS = {
@@ -114,9 +114,7 @@ def main() -> int:
     if args.json:
         args.json.write_text(json.dumps(runs, indent=1) + "\n", encoding="utf-8")
     if args.write:
-        before, _, rest = README.read_text(encoding="utf-8").partition(BEGIN)
-        after = rest.partition(END)[2]
-        README.write_text(before + BEGIN + markdown(runs, started) + END + after, encoding="utf-8")
+        replace_table(README, "race", markdown(runs, started))
     return 0
 
 

@@ -21,6 +21,7 @@ from launcher import load_package  # noqa: E402
 
 load_package()
 import numpy as np  # noqa: E402
+from dualcolor.benchmarks.tables import replace_table  # noqa: E402
 from dualcolor.core.gcode.writer import gcode_text  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
@@ -43,19 +44,6 @@ UP = {"wingnut": "z", "distorted_a": "z", "colored_airplane": "y"}
 HEIGHT_MM = {"gargoyle": 102.0, "kitten": 54.0, "sign_base": None, "sign_base_rounded": None, "3DBenchy": 48.0}
 USUAL_HEIGHT_MM = 80.0
 LOWER_MM = {"colored_airplane": 25.0, "branches_70": 60.0, "Fox": 60.0}
-HEAD = """# X3G
-
-Made by `benchmarks/x3g.py`: meshes of others, printed at full size with {settings}. GPX 2.6.8 converts the G-code
-(`gpx -I -g -m {machine}`); the program's own X3G is compared with GPX's command by command. *Equal moves* are those
-whose steps, step rate, length, speed, tool and place in the file agree, of all moves that either file has; *heaters*
-says whether all temperatures, and the waits for them, agree in value and order. *Changes* are changes of the tool
-between strands. The audit (`core/x3g/audit.py`) reads the finished bytes and trusts nothing that made them. The *time*
-is the estimate of the planner model (`core/statistics/time_and_filament.py`), beside it its difference from a
-simulation of the X3G that shares nothing with it but the limits of the printer (`tests/x3g_simulation.py`).
-
-| mesh | mm | layers | changes | moves | GPX says | equal moves | heaters | same bytes | audit | time | simulated |
-|---|---|---|---|---|---|---|---|---|---|---|---|
-"""
 
 
 @dataclass(frozen=True)
@@ -83,11 +71,18 @@ class Comparison:
     simulated_s: float
 
 
+HEAD = (
+    "| mesh | mm | layers | changes | moves | GPX says | equal moves | heaters | same bytes "
+    "| audit | time | simulated |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|---|\n"
+)
+
+
 def main() -> int:
     """Compare all meshes, or those that were asked for, and write the table."""
     parser = argparse.ArgumentParser(description="Hold our X3G of real meshes against GPX's.")
     parser.add_argument("--data", type=Path, default=DATA, metavar="FOLDER", help="holds meshes/")
-    parser.add_argument("--out", type=Path, default=OUT, metavar="FILE", help="Markdown file to write")
+    parser.add_argument("--out", type=Path, default=OUT, metavar="FILE", help="Markdown file whose table is replaced")
     parser.add_argument("--set", action="append", default=["support_enable=true"], metavar="KEY=VALUE")
     parser.add_argument("names", nargs="*", metavar="NAME", help="meshes (default: all, and the table is written)")
     args = parser.parse_args()
@@ -107,9 +102,7 @@ def main() -> int:
         lines.append(row(path, result, comparison))
         print(lines[-1], *comparison.diagnostics, *comparison.findings, sep="\n  ", flush=True)
     if lines and not args.names:
-        said = ", ".join(f"`{text}`" for text in args.set)
-        head = HEAD.format(settings=said, machine=settings.printer_profile.gpx_machine)
-        args.out.write_text(head + "\n".join(lines) + "\n", encoding="utf-8")
+        replace_table(args.out, "x3g", HEAD + "\n".join(lines) + "\n")
     return 0 if perfect else 1
 
 
