@@ -2,8 +2,9 @@
 
 import numpy as np
 import shapely
+from dualcolor.core.components import components
 from dualcolor.core.texture import labels as labels_module
-from dualcolor.core.texture.islands import components, uv_areas
+from dualcolor.core.texture.islands import uv_areas
 from dualcolor.core.texture.labels import rasterised
 
 

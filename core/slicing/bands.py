@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from ..mesh.inner_walls import inner_walls
 from ..model import FloatArray, IntArray, TriangleMesh
 from .intersect import crossings
 from .link import link
@@ -17,12 +20,28 @@ def linked_outlines(
 ) -> tuple[Outlines, IntArray]:
     """The loops of all layers and the layers in which a chain is left open, as `link` gives them.
 
+    If there are any, walls inside the solid and fins on it are not cut, where fewer layers are open without them.
+
     Args:
         mesh: F faces.
         planes: (L,) mm, increasing.
         gap_closing_radius: mm, see `link`.
         most_cuts: of faces with planes that are worked on at once; a layer with more is a band of its own.
     """
+    loops, left_open = _linked(mesh, planes, gap_closing_radius, most_cuts)
+    inner = inner_walls(mesh) if len(left_open) else left_open
+    if len(inner):
+        faces = mesh.faces.copy()
+        faces[inner] = faces[inner, :1]  # which no plane cuts
+        without, still_open = _linked(replace(mesh, faces=faces), planes, gap_closing_radius, most_cuts)
+        if len(still_open) < len(left_open):
+            return without, still_open
+    return loops, left_open
+
+
+def _linked(
+    mesh: TriangleMesh, planes: FloatArray, gap_closing_radius: float, most_cuts: int
+) -> tuple[Outlines, IntArray]:
     cut = crossings(mesh, planes)
     if int((cut.high - cut.low).sum()) <= most_cuts:
         return link(cut.segments(), gap_closing_radius)

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..components import components, numbered
 from ..errors import TextureError
 from ..mesh.corners import complex_uv, following_corner
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
 from ..parallel import CHUNK_ROWS
 from ..ragged import ranges
 from ..records import dataclass
-from .islands import NO_ISLAND, LabelImage, components, corner_places, numbered, uv_areas
+from .islands import NO_ISLAND, LabelImage, corner_places, uv_areas
 
 _REPEATS = 4  # faces that cover a picture more often than this use it as a repeating pattern
 _CHUNK_ROWS = 1 << 18  # worked on at once
