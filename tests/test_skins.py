@@ -73,11 +73,13 @@ def test_no_skin_of_a_real_model_has_a_hole(data, mesh, height, layers):
     assert max(greatest.values()) < 1.0, greatest
 
 
-@pytest.mark.parametrize("neck", [0.5, 0.6, 0.75])
-def test_a_neck_too_narrow_for_a_wall_gets_one_line_along_its_middle(neck):
+@pytest.mark.parametrize("pattern, pockets", [("wave_offset", 0.32), ("offset", 0.0)])
+@pytest.mark.parametrize("neck", [0.6, 0.65, 0.75])
+def test_a_neck_too_narrow_for_a_wall_gets_one_line_along_its_middle(neck, pattern, pockets):
     dumbbell = shapely.union_all([square(10, 0, -12), square(10, 0, 12), shapely.box(-neck / 2, -10, neck / 2, 10)])
     islands = shapes([dumbbell])
-    paths = fill_paths(islands, islands, np.zeros(1, dtype=np.int64), PrintSettings(infill_density=100))
+    settings = PrintSettings(infill_density=100, pattern=pattern)
+    paths = fill_paths(islands, islands, np.zeros(1, dtype=np.int64), settings)
     assert (paths.feature == Feature.INNER_WALL).sum() == 2  # one in each square
     lines = lines_of(paths, Feature.SKIN)
     inside = np.flatnonzero(np.abs(shapely.get_y(shapely.centroid(lines))) < 6)
@@ -87,14 +89,45 @@ def test_a_neck_too_narrow_for_a_wall_gets_one_line_along_its_middle(neck):
     skin = np.flatnonzero(paths.feature == Feature.SKIN)[inside[0]]
     points = slice(paths.start[skin], paths.start[skin + 1])
     middle = np.abs(paths.points[points, 1]) < 6.5
-    # As wide as the neck between the walls' edges, and 0.16 mm into each of them, where the wave leaves pockets.
-    assert np.allclose(paths.width[points][middle], min(neck - WIDTH + 0.32, 0.6), atol=0.02)
+    # As wide as the neck between the walls' edges, and 0.16 mm into each of them where waves leave pockets.
+    assert np.allclose(paths.width[points][middle], min(neck - WIDTH + pockets, 0.6), atol=0.02)
+
+
+def test_walls_that_meet_have_no_line_between_them():
+    dumbbell = shapely.union_all([square(10, 0, -12), square(10, 0, 12), shapely.box(-0.23, -10, 0.23, 10)])
+    islands = shapes([dumbbell])
+    paths = fill_paths(islands, islands, np.zeros(1, dtype=np.int64), PrintSettings(infill_density=100))
+    assert np.abs(shapely.get_y(shapely.centroid(lines_of(paths, Feature.SKIN)))).min() > 6
+
+
+@pytest.mark.parametrize("thickness", [0.6, 0.8, 1.1])
+def test_a_thin_wall_takes_as_much_plastic_as_it_has_room(thickness):
+    model = lathe([[10 - thickness, 0], [10, 0], [10, 3], [10 - thickness, 3], [10 - thickness, 0]])
+    flat = PrintSettings(background_tone=0.5, calibration="none", offset_max=0.0)
+    moves = generate(model, flat).moves
+    rows = moves.extrudes & ~np.isin(moves.feature, BESIDE)
+    printed = moves.filament[rows].sum() * np.pi / 4 * 1.75**2
+    assert printed == pytest.approx(3 * np.pi * (10**2 - (10 - thickness) ** 2), rel=0.03)
+
+
+def test_no_gap_is_too_regular_for_its_middle():
+    # GEOS finds no Delaunay triangulation of the points along this one's boundary.
+    half = [
+        [0.1499379871182146, -14.19685552009811],
+        [0.1359514948450813, -14.5398680675337],
+        [0.1265011245393188, -14.542276422438247],
+        [-0.1398580881899115, -14.534166814537215],
+        [-0.1434750310349929, -14.521534226477337],
+    ]
+    gap = shapely.Polygon([*half, *(-np.array(half))])
+    paths = gap_paths([shapes([gap])], (0.0,), np.zeros(1, dtype=np.int64), np.array([WIDTH]))
+    assert np.ptp(paths.points[:, 1]) > 28 and paths.width.max() < 0.31
 
 
 def test_lines_in_gaps_are_as_long_whatever_lies_above():
     finger = shapely.union(square(10), shapely.box(-0.3, 0, 0.3, 12))
     alone, stacked = (
-        gap_paths([found], np.arange(len(found)), np.full(len(found), WIDTH))
+        gap_paths([found], (0.0,), np.arange(len(found)), np.full(len(found), WIDTH))
         for found in (shapes([finger - square(9.9)]), shapes([finger - square(9.9)] * 3))
     )
     assert len(stacked.layer) == 3 * len(alone.layer) > 0

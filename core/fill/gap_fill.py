@@ -12,46 +12,60 @@ from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
 from ..ragged import starts
+from ..settings import PrintSettings
 from ..slicing.regions import gathered
 from .mitres import Moved
 from .walls import offset
 
-# Line widths by which a gap reaches into the walls beside it; a waved one leaves pockets there.
-_INTO_WAVES, _INTO_WALL = 0.4, 0.1
+# Line widths by which a line in a gap reaches into waves beside it, which leave pockets there.
+_INTO_WAVES = 0.4
+_LEAST = 0.25  # line widths: narrower gaps between straight walls stay, less than half of the narrowest line
 _SMALLEST_MM2 = 0.1
 _LOST = 0.5  # line widths of length that walls lose for other reasons
 _NEAR = 1.7  # line widths: where all lies nearer to the inner line, a gap would be too short for a line of its own
 _CORNER = 0.1  # line widths: corners of walls are no gaps
 _SAMPLE = 0.5  # line widths between the boundary's points that the middle is found from
-_SHORTEST = 1.0  # line widths
+_SHORTEST, _LONGEST = 1.0, 5.0  # line widths, of a line in a gap and of its pieces, each with a width of its own
 _NARROWEST, _WIDEST = 0.5, 1.5  # line widths
-_SIMPLIFY_MM = 0.03
+_SIMPLIFY_MM = 0.01
 _ON_EDGE_MM = 1e-6
 _GRID_DIGITS = 6  # decimals of mm; points much nearer than that to each other upset the triangulation
 
 
-def gaps_between(walls: list[Shapes], steps: list[Moved], width_mm: FloatArray) -> list[Shapes]:
+def margins(settings: PrintSettings) -> tuple[float, ...]:
+    """Line widths by which what is found between each wall and the next one reaches into the walls on both sides.
+
+    Less than 0 keeps off straight walls, so that gaps that are too narrow are not found; lines are as much wider.
+    """
+    waved = _INTO_WAVES if settings.wave_crest > 0 else -_LEAST / 2
+    return tuple(-_LEAST / 2 if number else waved for number in range(settings.perimeters))
+
+
+def gaps_between(
+    walls: list[Shapes], steps: list[Moved], width_mm: FloatArray, settings: PrintSettings
+) -> list[Shapes]:
     """What is left between each wall and the next one inside, where that does not fit.
 
     Args:
         walls: (I,) regions bounded by a wall's centre line, from the waved outer wall in.
         steps: how each wall but the first came from the one before.
         width_mm: (I,) of the lines.
+        settings: tell whether the outer wall has waves.
 
     Returns:
-        For each wall but the last, (I,) MultiPolygon, mostly empty.
+        For each wall but the last, (I,) MultiPolygon, mostly empty; see `margins`.
     """
     return [
-        _gaps(outer, inner, step, width_mm, _INTO_WALL if number else _INTO_WAVES)
-        for number, ((outer, inner), step) in enumerate(zip(pairwise(walls), steps, strict=True))
+        _gaps(outer, inner, step, width_mm, margin)
+        for (outer, inner), step, margin in zip(pairwise(walls), steps, margins(settings), strict=True)
     ]
 
 
-def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, into_wall: float) -> Shapes:
+def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margin: float) -> Shapes:
     found = np.full(len(outer), shapely.Polygon(), dtype=object)
     rows = np.flatnonzero(_strays(outer, inner, step, width_mm) & _lose_length(outer, inner, width_mm))
     width = width_mm[rows]
-    reach = (0.5 - into_wall) * width
+    reach = (0.5 - margin) * width
     # Strands end round, so what a wall takes at a sharp corner is round too.
     walls = shapely.buffer(inner[rows], (1 + _CORNER) * width - reach, quad_segs=2)
     parts, owner = shapely.get_parts(shapely.difference(offset(outer[rows], -reach), walls), return_index=True)
@@ -86,7 +100,7 @@ def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArra
     return np.asarray((~plain | (lost > _LOST * width_mm)) & ~shapely.is_empty(outer))
 
 
-def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
+def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntArray, width_mm: FloatArray) -> Paths:
     """Lines along the middle of gaps, as wide as the gaps are.
 
     The middle is the chordal axis: it runs from side to side through the Delaunay triangles between points along the
@@ -94,6 +108,7 @@ def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray)
 
     Args:
         found: arrays (I,) of gaps.
+        margin: of each array, see `margins`.
         island_layer: (I,) layer of each island.
         width_mm: (I,) of the lines that gaps are measured by.
 
@@ -104,7 +119,8 @@ def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray)
         return Paths.empty()
     parts, owner = shapely.get_parts(np.concatenate(found), return_index=True)
     some = ~shapely.is_empty(parts)
-    parts, island = parts[some], (owner[some] % len(island_layer)).astype(np.int64)
+    number, island = np.divmod(owner[some].astype(np.int64), len(island_layer))
+    parts, kept_off = parts[some], 2.0 * np.maximum(-np.array(margin), 0.0)[number]
     if not len(parts):
         return Paths.empty()
     merged, edges = geos_in_threads(_middles, parts, width_mm[island])
@@ -113,10 +129,15 @@ def gap_paths(found: list[Shapes], island_layer: IntArray, width_mm: FloatArray)
     long = (shapely.length(lines) >= _SHORTEST * width) & (shapely.get_dimensions(lines) == 1)
     if not long.any():
         return Paths.empty()
-    lines, part, width = lines[long], part[long], width[long]
+    lines, part, width = shapely.segmentize(lines[long], _LONGEST * width[long]), part[long], width[long]
     points, line = shapely.get_coordinates(lines, return_index=True)
-    half = shapely.distance(shapely.points(points), edges[part[line]])
-    wide = np.clip(2 * half, _NARROWEST * width[line], _WIDEST * width[line])
+    # A width holds for the line that leaves its point: at its middle, as ends are near the gap's own ends.
+    after = points.copy()
+    going_on = np.flatnonzero(line[1:] == line[:-1])
+    after[going_on] = points[going_on + 1]
+    half = shapely.distance(shapely.points((points + after) / 2), edges[part[line]])
+    across = 2 * half + (kept_off[part] * width)[line]
+    wide = np.clip(across, _NARROWEST * width[line], _WIDEST * width[line])
     points, wide, line = _to_the_ends(points, wide, line, parts, part)
     return Paths(
         points=points,
@@ -135,16 +156,23 @@ def _on_grid(points: FloatArray) -> FloatArray:
     return rounded
 
 
-def _triangles(points: Shapes) -> Shapes:
-    """(P,) the Delaunay triangles of (P,) sets of points; none where GEOS cannot find them."""
+def _triangles(points: Shapes, gap: Shapes) -> Shapes:
+    """(P,) the Delaunay triangles of (P,) sets of points on the boundaries of polygons.
+
+    GEOS finds none for some sets, long symmetric ones above all; there the polygon itself is triangulated, which always
+    works, but takes longer.
+    """
     try:
         return np.asarray(shapely.delaunay_triangles(points))
     except shapely.GEOSException:  # tells not which one
         pass
     found = np.full(len(points), shapely.GeometryCollection(), dtype=object)
     for row, one in enumerate(points):
-        with suppress(shapely.GEOSException):
+        try:
             found[row] = shapely.delaunay_triangles(one)
+        except shapely.GEOSException:
+            with suppress(shapely.GEOSException):
+                found[row] = shapely.constrained_delaunay_triangles(gap[row])
     return found
 
 
@@ -189,11 +217,12 @@ def _to_the_ends(
 
 def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
     """(P,) lines along the middle of (P,) polygons, and the polygons' boundaries."""
-    edge = shapely.segmentize(shapely.boundary(gap), _SAMPLE * width_mm)
+    gap = shapely.segmentize(gap, _SAMPLE * width_mm)
+    edge = shapely.boundary(gap)
     points, part = shapely.get_coordinates(edge, return_index=True)
     # Whatever holds the points is triangulated: one line is made sooner than a point each.
     corner, part = shapely.get_coordinates(
-        _triangles(shapely.linestrings(_on_grid(points), indices=part)), return_index=True
+        _triangles(shapely.linestrings(_on_grid(points), indices=part), gap), return_index=True
     )
     corner, part = corner.reshape(-1, 4, 2)[:, :3], part[::4]
     centre = (corner[:, 0] + corner[:, 1] + corner[:, 2]) / 3

@@ -15,7 +15,7 @@ from ..slicing.planes import line_widths, middle_heights
 from .bridges import Bridges, bridged
 from .closing import closed, covering
 from .concentric import nested
-from .gap_fill import gap_paths, gaps_between
+from .gap_fill import gap_paths, gaps_between, margins
 from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
@@ -92,7 +92,11 @@ def fill_areas(
     def chunk(islands: Shapes, layer: IntArray, solid: Shapes, whole: BoolArray) -> tuple[Shapes, ...]:
         width = line_widths(layer, settings)
         walls, fill, steps = walls_and_fill(islands, width, settings)
-        return *walls, *gaps_between(walls, steps, width), *solid_and_sparse(fill, Skins(solid, whole), settings)
+        return (
+            *walls,
+            *gaps_between(walls, steps, width, settings),
+            *solid_and_sparse(fill, Skins(solid, whole), settings),
+        )
 
     return geos_in_threads(chunk, islands, island_layer, solid, whole)
 
@@ -113,7 +117,7 @@ def fill_lines(areas: tuple[Shapes, ...], over_air: Bridges, island_layer: IntAr
     *bounded, solid, sparse = areas
     walls, narrow = bounded[: len(bounded) // 2 + 1], bounded[len(bounded) // 2 + 1 :]
     with ThreadPoolExecutor(1) as beside:  # GEOS triangulates the gaps while numpy hatches
-        along_gaps = beside.submit(gap_paths, narrow, island_layer, width)
+        along_gaps = beside.submit(gap_paths, narrow, margins(settings), island_layer, width)
         lines = _hatched(solid, sparse, over_air, island_layer, settings)
     return Paths.joined([wall_paths(walls[1:], island_layer, width), along_gaps.result(), *lines])
 
