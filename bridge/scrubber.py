@@ -152,7 +152,7 @@ StrandView = type(
             "layer_to": _layer("To Layer", "Last visible layer", _MOST_LAYERS),
             "colour_by": bpy.props.EnumProperty(
                 name="Colour",
-                description="What the colours of the strands say; seen in Material Preview and when rendered",
+                description="What the colours of the strands show; visible in Material Preview and in renders",
                 items=[("FILAMENT", "Filament", "As it will be printed")]
                 + [(key, legend.title, legend.description) for key, legend in LEGENDS.items()],
                 update=_changed,

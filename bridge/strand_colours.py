@@ -57,7 +57,7 @@ LEGENDS = {
     "SPEED": Legend("Speed", "By the speed of the nozzle", "speed", 0, 100, _scale(0, 100, "mm/s", _COLD_TO_HOT)),
     "UNSUPPORTED": Legend("Unsupported", "By the distance from what carries the line", "unsupported", 0, 2,
                           _scale(0, 2, "mm", _COLD_TO_HOT)),
-    "TONE": Legend("Tone", "By the tone that the outer wall shall have", "tone", -0.25, 1,
+    "TONE": Legend("Tone", "By the tone that the outer wall should show", "tone", -0.25, 1,
                    (_NONE, *_scale(0, 1, "", _GREYS))),
 }  # fmt: skip
 

@@ -55,7 +55,7 @@ def picture_outputs(args: argparse.Namespace, render: Path | None, sheet: Path |
         OutputError: views are named, but no file.
     """
     if args.views and render is None:
-        raise OutputError("--views tells which pictures to take, but not where to", "name a file by --render")
+        raise OutputError("--views says which pictures to take, but not where to save them", "name a file by --render")
     found = {PREFIX + view: path for view, path in view_files(render, args.views).items()} if render else {}
     return found | ({"contact_sheet": sheet} if sheet else {})
 

@@ -125,7 +125,7 @@ def read_profile(path: Path) -> PrinterProfile:
     except OSError as problem:
         raise SettingsError(f"the printer {path.stem} cannot be read", problem.strerror or "") from None
     except (KeyError, TypeError, ValueError):
-        raise SettingsError(f"the printer {path.stem} is no printer's file", _HINT) from None
+        raise SettingsError(f"the printer {path.stem} is not a printer file", _HINT) from None
     marlin = facts.pop("marlin", None)
     values = _values(PrinterProfile, facts, path, optional="marlin")
     if marlin is not None:
@@ -137,7 +137,7 @@ def _values(kind: type, facts: dict[str, Any], path: Path, optional: str = "") -
     """The facts as the dataclass takes them."""
     declared = {fact.name for fact in fields(kind)} - {optional}
     if not isinstance(facts, dict):
-        raise SettingsError(f"the printer {path.stem} is no printer's file", _HINT)
+        raise SettingsError(f"the printer {path.stem} is not a printer file", _HINT)
     if odd := sorted(set(facts) ^ declared):
         named = ", ".join(name[:40] for name in odd[:5])
         raise SettingsError(f"the printer {path.stem} lacks a fact or has one too many: {named}", _HINT)

@@ -16,7 +16,7 @@ from .printer import PrinterProfile, printer_names, printer_profile
 from .records import dataclass
 from .setting_names import hint_for
 
-# Groups beside `print`; what a preset of a kind holds goes by them (`presets.KINDS`).
+# Groups beside `print`; they decide which settings a preset of each kind holds (`presets.KINDS`).
 _printer = partial(setting, group="printer")
 _pattern = partial(setting, group="pattern")
 _texture = partial(setting, group="texture")
@@ -52,13 +52,13 @@ class PrintSettings:
         choices=("wave", "wave_offset", "offset"),
     )
     wavelength: float = _pattern(
-        1.2, "Least distance of two waves along the outline; the greatest is twice this", "mm", 0.4, 10
+        1.2, "Least spacing of the waves along the outline; the greatest is twice this", "mm", 0.4, 10
     )
     wave_depth_max: float = _pattern(0.75, "Depth of an unattenuated wave, peak to peak", "mm", 0.0, 3.0)
     wave_depth_min: float = _pattern(0.375, "Depth of a fully attenuated wave, peak to peak", "mm", 0.0, 3.0)
     offset_max: float = _pattern(0.35, "How far the line of a fully attenuated colour is set back", "mm", 0.0, 2.0)
     offset_onset: float = _pattern(
-        0.0, "Attenuation from which on the line is set back; below it only the wave gets shallower", "", 0.0, 0.95
+        0.0, "Attenuation at which the line begins to be set back; below it only the wave gets shallower", "", 0.0, 0.95
     )
     max_unsupported: float = _pattern(
         0.3, "How far the middle of a strand may lie outside the strand below, by wave, set-back and slope together",
@@ -70,7 +70,7 @@ class PrintSettings:
         choices=("optimized", "paper"),
     )
     projection_threshold: float = _pattern(
-        0.6, "A sample farther than this from the next layer is not carried on", "mm", 0.05, 5.0
+        0.6, "A sample farther than this from the next layer's outline is not carried on", "mm", 0.05, 5.0
     )
     relaxation: float = _pattern(
         0.05, "Share of the way to the middle of its neighbours that a sample moves", "", 0.0, 0.5
@@ -78,8 +78,8 @@ class PrintSettings:
     flat_layers: int = _pattern(0, "Layers at the bottom that are printed without a wave", "", 0, 1000)
     phase_shift_layers: int = _pattern(
         0,
-        "Instead of the checkerboard, white waves shifted against the black ones, by another eighth of a wave after so "
-        "many layers; 0 is the checkerboard",
+        "Instead of the checkerboard, shift white waves against the black ones, by another eighth of a wave each time "
+        "this many layers are printed; 0 is the checkerboard",
         "", 0, 1000,
     )  # fmt: skip
     mostly_white_below: int = _pattern(0, "Below this layer three of four layers are white; 0 is none", "", 0, 10000)
@@ -87,19 +87,19 @@ class PrintSettings:
     chord_tolerance: float = _pattern(
         0.01, "Greatest distance between the printed polyline and the true wave", "mm", 0.001, 0.1
     )
-    front: bool = _pattern(False, "Put the waves' seams on the side away from the front, as far as that goes")
+    front: bool = _pattern(False, "Put the waves' seams on the side away from the front, as far as possible")
     front_angle: float = _pattern(
         0.0, "Direction of the front about the vertical axis: 0 is -Y, 90 is +X", "°", -180.0, 360.0
     )
     seam_visibility: str = _pattern(
         "",
-        "Vertex group, image or image file that says where seams are seen: 1 or white in full, 0 or black not at all",
+        "Vertex group, image or image file that says where seams are visible: 1 or white fully, 0 or black not at all",
     )
     hide_seams: bool = _pattern(False, "Put seams into creases and where the picture is black, white or nearly so")
     solid_regions: str = _pattern(
         "none",
-        "Large painted regions of pure black or white: like all tones, the other color's line hidden behind, or left "
-        "to the right tool within the layer",
+        "How large regions of pure black or white print: like all other tones, with the other colour's line hidden "
+        "behind, or by their own tool within the layer",
         choices=("none", "set_back", "tool_change"),
     )
     solid_region_area: float = _pattern(
@@ -109,7 +109,7 @@ class PrintSettings:
         0.02, "How far from black (0) or white (1) a tone may be to count as pure", "", 0.0, 0.4
     )
     solid_set_back: float = _pattern(
-        0.5, "How far the other color's line is set back in such a region, as far as max_unsupported allows", "mm",
+        0.5, "How far the other colour's line is set back in such a region, as far as max_unsupported allows", "mm",
         0.0, 2.0,
     )  # fmt: skip
 
@@ -119,21 +119,21 @@ class PrintSettings:
     )
     texture_filter: str = _texture(
         "trilinear",
-        "How a texture finer than the print is averaged: mip maps, or a Lanczos reduction to one texel a layer pair",
+        "How a texture finer than the print is averaged: mip maps, or a Lanczos reduction to one texel per layer pair",
         choices=("trilinear", "lanczos"),
     )
 
     # Tone calibration
     calibration: str = _texture(
         "slope_aware",
-        "Prints the tones that are seen as those asked for: by the response of an upright wall, of the wall's own "
-        "slope, by a tone table of your own, or not at all",
+        "Correct the tones so that the print shows the painted ones: by the response of an upright wall, of the wall's "
+        "own slope, by a tone table of your own, or not at all",
         choices=("none", "upright", "slope_aware", "file"),
     )
     calibration_file: str = _texture("", "The tone table for calibration = file, made by build-table")
     gamut_mapping: str = _texture(
         "compress",
-        "Tones out of reach: the picture's range is compressed to the printable one, or what is beyond it is clipped",
+        "Tones out of reach: compress the picture's range to the printable one, or clip the tones beyond it",
         choices=("clip", "compress"),
     )
 
@@ -146,7 +146,7 @@ class PrintSettings:
     infill_density: float = setting(10.0, "Share of the inside that is filled", "%", 0.0, 100.0)
     infill_pattern: str = setting(
         "rectilinear",
-        "Lines of sparse fill: one direction a layer, two, three, a gyroid, or loops that follow the walls",
+        "Lines of sparse fill: in one direction per layer, two or three, a gyroid, or loops that follow the walls",
         choices=("rectilinear", "grid", "triangles", "gyroid", "concentric"),
     )
     infill_angle: float = setting(
@@ -184,7 +184,7 @@ class PrintSettings:
         4.0, "Least distance of the tower and its brim from all else, when it is placed automatically", "mm", 1.0, 100.0
     )
     tower_brim_width: float = setting(3.0, "Width of the tower's own brim on the first layer", "mm", 0.0, 20.0)
-    purge_volume: float = setting(6.0, "Plastic that each layer of the tower takes, at least", "mm3", 0.5, 100.0)
+    purge_volume: float = setting(6.0, "Least plastic that goes into each layer of the tower", "mm3", 0.5, 100.0)
     ooze_shield: bool = setting(False, "Print a thin wall around the object that catches what the idle nozzle drips")
     ooze_shield_distance: float = setting(2.0, "Distance of the ooze shield from the object", "mm", 0.5, 20.0)
 
@@ -226,7 +226,7 @@ class PrintSettings:
         1000.0, "Greatest sideways acceleration in curves; more is faster and shakes more", "mm/s2", 100.0, 20000.0
     )
     min_move_time: float = setting(
-        8.0, "Curves of shorter moves are printed slower, for the printer's queue of moves not to run dry", "ms",
+        8.0, "Curves of shorter moves are printed more slowly, so that the printer's queue does not run dry", "ms",
         0.0, 50.0,
     )  # fmt: skip
     max_volumetric_speed: float = setting(8.0, "Most plastic melted per second; 0 is no limit", "mm3/s", 0.0, 50.0)
@@ -241,7 +241,7 @@ class PrintSettings:
         0.0, "Filament fed in addition after a tool change", "mm", 0.0, 5.0
     )
     retract_speed: float = setting(25.0, "Speed of pulling back", "mm/s", 1.0, 26.0)
-    deretract_speed: float = setting(25.0, "Speed of feeding again what was pulled back", "mm/s", 1.0, 26.0)
+    deretract_speed: float = setting(25.0, "Speed of feeding retracted filament again", "mm/s", 1.0, 26.0)
     avoid_crossing_perimeters: bool = setting(
         True, "Travels stay inside the outer wall where they can, along it rather than across it"
     )
@@ -250,7 +250,11 @@ class PrintSettings:
     )
     retract_before_travel: float = setting(1.5, "Shorter travels do not retract", "mm", 0.0, 50.0)
     wipe: float = setting(
-        0.0, "Way over the line just printed while pulling back; 0 wipes on the tower only", "mm", 0.0, 10.0
+        0.0,
+        "Distance to move back over the line just printed while retracting; 0 wipes on the tower only",
+        "mm",
+        0.0,
+        10.0,
     )
     z_hop: float = setting(0.0, "Lift on travels with retraction", "mm", 0.0, 5.0)
     z_hop_toolchange: float = setting(0.4, "Lift at a tool change", "mm", 0.0, 5.0)
@@ -277,7 +281,7 @@ class PrintSettings:
     disable_fan_first_layers: int = _filament(1, "Layers on the bed that are printed without the fan", "", 0, 1000)
 
     # Predicted print
-    sag: float = _preview(0.3, "Most that a strand sinks where nothing carries it", "mm", 0.0, 2.0)
+    sag: float = _preview(0.3, "How far a strand sinks at most where nothing carries it", "mm", 0.0, 2.0)
 
     def __post_init__(self) -> None:
         for declared in fields(self):
@@ -287,7 +291,7 @@ class PrintSettings:
 
     @property
     def printer_profile(self) -> PrinterProfile:
-        """What there is to know about the chosen printer.
+        """The facts about the chosen printer.
 
         Raises:
             SettingsError: its file lacks a fact or has a wrong one.

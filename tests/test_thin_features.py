@@ -74,6 +74,8 @@ def test_thicker_lines_make_more_features_thin():
 def test_the_job_warns_and_says_what_to_do():
     model = joined(box((0, 0, 0), (20, 20, 2)), box((4, 15, 2), (14, 15.3, 3)))
     job = generate(model, PrintSettings(center_on_bed=False, skirt_distance=2.0, tower_type="none"))
-    (said,) = [warning for warning in job.warnings if "no wall" in warning]
-    assert "1 feature thinner" in said and "x 9.0, y 15." in said and "z 2.00 to 3.00 mm" in said and "thicken" in said
+    (said,) = [warning for warning in job.warnings if "too thin" in warning]
+    assert (
+        "1 feature is thinner" in said and "x 9.0, y 15." in said and "z 2.00 to 3.00 mm" in said and "thicken" in said
+    )
     assert json.loads(json.dumps(job.report))["thin_features"]["layers"] == 4

@@ -56,7 +56,7 @@ def table_for(settings: PrintSettings) -> ToneTable | None:
     if settings.calibration != "file":
         return shipped_table(settings)
     if not settings.calibration_file:
-        hint = "name one that read-photo or build-table has made"
+        hint = "name one made by read-photo or build-table"
         raise CalibrationError("calibration is file, but calibration_file names no tone table", hint)
     return read_table(Path(settings.calibration_file))
 

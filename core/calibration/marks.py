@@ -115,7 +115,7 @@ def patch_pixels(marks: FloatArray) -> float:
     if least < _LEAST_PATCH_PX:
         raise CalibrationError(
             f"the tile is too small in the photograph, its patches are {least:.0f} pixels high",
-            f"get nearer, for {_LEAST_PATCH_PX:.0f} or more",
+            f"move closer, for {_LEAST_PATCH_PX:.0f} pixels or more",
         )
     return least
 

@@ -62,7 +62,7 @@ def table_of_photo(
     notes = list(reading.notes)
     if len(table.slant_deg) == 1 < len(base.slant_deg):
         notes.append(
-            "the table is of an upright wall alone, which slopes are printed by too: no simulation fits the settings ("
+            "the table is of an upright wall alone, and slopes are printed by it too: no simulation fits the settings ("
             + ", ".join(base.about.differences(settings)) + ")"
         )  # fmt: skip
     return PhotoTable(table, marks, notes)

@@ -134,7 +134,7 @@ def read_table(path: Path) -> ToneTable:
     except (KeyError, ValueError, TypeError, AttributeError):
         raise CalibrationError(f"{path} is not a tone table", hint) from None
     if not _is_sound(table):
-        raise CalibrationError(f"the tone table {path} is not in order", hint)
+        raise CalibrationError(f"the tone table {path} is inconsistent", hint)
     return table
 
 

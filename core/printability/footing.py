@@ -45,7 +45,7 @@ def line_warnings(settings: PrintSettings) -> list[str]:
          settings.first_layer_height),
     )  # fmt: skip
     return [
-        f"lines of {width:g} mm are narrower than high ({height:g} mm) and hardly hold: raise {wide} or lower {high}"
+        f"lines of {width:g} mm are narrower than high ({height:g} mm) and hardly stick: raise {wide} or lower {high}"
         for wide, width, high, height in lines
         if width < height
     ]

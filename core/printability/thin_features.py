@@ -1,4 +1,4 @@
-"""Features too thin for a wall, that the print loses or prints too thick: where they are and how much."""
+"""Features too thin for a wall, which the print loses or makes too thick: where they are, how long and how large."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ _NEIGHBOURS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z 
 
 @dataclass(frozen=True)
 class ThinFeatures:
-    """Pieces of layers that hold no wall, K of them.
+    """Pieces of layers too thin for a wall, K of them.
 
     Attributes:
         layer: (K,) int64.
         place: (K, 2) mm, the middle of each.
         area: (K,) mm².
-        length: (K,) mm, half around, which is about how long a thin piece is.
+        length: (K,) mm, half of the perimeter, which is about how long a thin piece is.
         feature: (K,) int64, which connected feature a piece belongs to.
     """
 
@@ -43,7 +43,7 @@ class ThinFeatures:
 
 
 def thin_features(cut: Slices, lines: Contours, settings: PrintSettings) -> ThinFeatures:
-    """Find what is thinner than two of the thinnest lines, and outlines that were left out for being too small.
+    """Find features thinner than two of the thinnest lines, and outlines that were left out for being too small.
 
     Args:
         cut: the slices.
@@ -105,17 +105,17 @@ def thin_report(found: ThinFeatures, cut: Slices) -> dict[str, Any]:
 
 
 def thin_warnings(report: dict[str, Any], settings: PrintSettings) -> list[str]:
-    """One sentence about what holds no wall, or none."""
+    """One sentence about features too thin for a wall, or none."""
     if not report["count"]:
         return []
     largest = report["places"][0]
-    noun, verb = ("feature", "holds") if report["count"] == 1 else ("features", "hold")
+    verb = "is" if report["count"] == 1 else "are"
     layers = counted(report["layers"], "layer")
     least = 2 * LEAST_WIDTH * settings.extrusion_width
     return [
-        f"{report['count']} {noun} thinner than {least:.2f} mm {verb} no wall: {report['length_mm']:.0f} mm in "
-        f"{layers} from {report['z_from']:.2f} to {report['z_to']:.2f} mm, the largest at "
-        f"x {largest['x']:.1f}, y {largest['y']:.1f}, z {largest['z_from']:.2f} to {largest['z_to']:.2f} mm; "
+        f"{counted(report['count'], 'feature')} {verb} thinner than {least:.2f} mm, too thin for a wall: "
+        f"{report['length_mm']:.0f} mm in {layers} from {report['z_from']:.2f} to {report['z_to']:.2f} mm, the largest "
+        f"at x {largest['x']:.1f}, y {largest['y']:.1f}, z {largest['z_from']:.2f} to {largest['z_to']:.2f} mm; "
         "thicken them, scale the object up or lower extrusion_width"
     ]
 

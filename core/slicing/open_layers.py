@@ -42,7 +42,7 @@ def open_warnings(open_layers: IntArray, polygon_layer: IntArray, stack: Layers)
     missing = np.setdiff1d(open_layers, polygon_layer)
     if len(missing):
         above = ", so what lies above begins in the air" if polygon_layer.max() > missing[0] else ""
-        warnings.append(f"nothing else is there to print {heights(missing, stack)}{above}")
+        warnings.append(f"there is nothing else to print {heights(missing, stack)}{above}")
     return warnings
 
 

@@ -96,7 +96,7 @@ def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: Pr
     """Why there is not a single outline."""
     hint = size_hint(mesh, settings)
     if len(specks.layer):
-        text = f"no outline of the mesh is {shortest:.2f} mm long, as long as a strand is around"
+        text = f"no outline of the mesh is {shortest:.2f} mm long, the perimeter of a strand"
         return MeshError(text, hint or "scale it up")
     volume = "give it a volume, for example with a Solidify modifier"
     return MeshError("the mesh has no inside to print", hint or volume)

@@ -183,7 +183,7 @@ def _temperatures(commands: Commands, motion: _Motion, printer: PrinterProfile) 
         rows, targets = _targets(commands, action, tool)
         limit = printer.max_temperature_c[1 if is_bed else 0]
         if len(targets) and targets.max() > limit:
-            findings.append(f"{name} is heated to {targets.max()} °C, more than the {limit:g} °C that it stands")
+            findings.append(f"{name} is heated to {targets.max()} °C, more than the {limit:g} °C that it can stand")
         if len(targets) and targets[-1] > 0:
             findings.append(f"{name} is still heated to {targets[-1]} °C at the end of the file")
         used = motion.strand if is_bed else motion.fed[:, heater] != 0
