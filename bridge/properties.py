@@ -15,6 +15,7 @@ from .curves import is_print_shown, show_print
 from .kept import kept_json
 from .seam_visibility import visibility_names
 from .soft_proof import follow_paint, follow_settings
+from .units import LENGTH_DIGITS
 
 _REPORTED = ("bounds_mm", "layers", "time_s", "filament", "settings", "warnings")
 _SEARCHED = {"seam_visibility": visibility_names}
@@ -48,11 +49,11 @@ def property_of(declared: Field[Any]) -> Any:
         return bpy.props.StringProperty(search=_SEARCHED[declared.name], search_options={"SUGGESTION"}, **common)
     if isinstance(default, str):
         return bpy.props.StringProperty(subtype="FILE_PATH", **common)
-    shown = {"mm": {"unit": "CAMERA"}, "%": {"subtype": "PERCENTAGE"}}.get(limits["unit"], {})
     step = 1 if limits["high"] <= 10 else 100
-    return bpy.props.FloatProperty(
-        min=limits["low"], max=limits["high"], precision=3 if step == 1 else 1, step=step, **shown, **common
-    )
+    shown = {"step": step, "precision": 3 if step == 1 else 1}
+    length = {"unit": "CAMERA", "precision": LENGTH_DIGITS}
+    shown |= {"mm": length, "%": {"subtype": "PERCENTAGE"}}.get(limits["unit"], {})
+    return bpy.props.FloatProperty(min=limits["low"], max=limits["high"], **shown, **common)
 
 
 def values_of(group: bpy.types.PropertyGroup) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from bpy_extras.io_utils import ImportHelper, poll_file_object_drop
 
 from ..bridge.image_input import picture_tone
 from ..bridge.picture_objects import add_picture_object
+from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
 from ..core.pictures.shapes import PictureShape, fitted, picture_plate, picture_tube
 from ..core.settings import PrintSettings
@@ -26,7 +27,7 @@ PLATE_BRIM_MM = 5.0  # a thin plate that stands upright needs a foot
 def _millimetres(name: str, default: float, description: str, low: float = 0.5, high: float = 200.0) -> Any:
     """A length; shown in mm in every scene, for which camera lenses have the only such unit."""
     return bpy.props.FloatProperty(
-        name=name, default=default, description=description, min=low, max=high, unit="CAMERA", precision=2
+        name=name, default=default, description=description, min=low, max=high, unit="CAMERA", precision=LENGTH_DIGITS
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..bridge.picture_objects import add_picture_object
+from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
 from ..core.pictures.figure_cylinders import FIGURES, figure_cylinder
 from ..core.settings import PrintSettings
@@ -27,11 +28,17 @@ class DUALCOLOR_OT_add_figure_cylinder(bpy.types.Operator):
         items=[(kind.upper(), name, words) for kind, (name, words) in FIGURES.items()],
     )
     diameter: bpy.props.FloatProperty(
-        name="Diameter", description="Diameter of the cylinder", default=20.0, min=4.0, max=140.0, unit="CAMERA"
+        name="Diameter",
+        description="Diameter of the cylinder",
+        default=20.0,
+        min=4.0,
+        max=140.0,
+        unit="CAMERA",
+        precision=LENGTH_DIGITS,
     )
     height: bpy.props.FloatProperty(
         name="Height", description="Height, made a whole number of layer pairs", default=36.0, min=2.0, max=150.0,
-        unit="CAMERA",
+        unit="CAMERA", precision=LENGTH_DIGITS,
     )  # fmt: skip
 
     @classmethod

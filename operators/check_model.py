@@ -8,6 +8,7 @@ import bpy
 
 from ..bridge.model_check import TITLES, Findings, check_steps, repair, select
 from ..bridge.properties import set_findings
+from ..bridge.units import LENGTH_DIGITS
 from ..core.progress import Progress, retold
 from .job import JobOperator, Steps
 from .polls import has_mesh, has_own_mesh
@@ -74,7 +75,7 @@ class DUALCOLOR_OT_repair_model(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
 
     merge_distance: bpy.props.FloatProperty(
-        name="Merge Distance", default=0.001, min=0.0, max=1.0, precision=4, unit="CAMERA",
+        name="Merge Distance", default=0.001, min=0.0, max=1.0, precision=LENGTH_DIGITS, unit="CAMERA",
         description="Vertices nearer than this become one",
     )  # fmt: skip
     hole_sides: bpy.props.IntProperty(

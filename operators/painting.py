@@ -16,6 +16,7 @@ from ..bridge.painting import (
     set_up_painting,
 )
 from ..bridge.properties import repaint_proof
+from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
 from ..core.progress import retold
 from ..core.texture.decode import LUMINANCE
@@ -33,7 +34,7 @@ class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
 
     texel_size: bpy.props.FloatProperty(
-        name="Texel Size", default=0.0, min=0.0, max=10.0, precision=3, unit="CAMERA",
+        name="Texel Size", default=0.0, min=0.0, max=10.0, precision=LENGTH_DIGITS, unit="CAMERA",
         description="Greatest side of a texel on the object; 0 is half a layer",
     )  # fmt: skip
 
@@ -119,7 +120,7 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         description="How much of the occlusion darkens the picture",
     )  # fmt: skip
     distance: bpy.props.FloatProperty(
-        name="Distance", default=DISTANCE_MM, min=0.1, max=1000.0, precision=1, unit="CAMERA",
+        name="Distance", default=DISTANCE_MM, min=0.1, max=1000.0, precision=LENGTH_DIGITS, unit="CAMERA",
         description="Surfaces farther away than this darken nothing",
     )  # fmt: skip
     samples: bpy.props.IntProperty(

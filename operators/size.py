@@ -8,7 +8,7 @@ import numpy as np
 from ..bridge.bed import bounds_mm, scale_to_height
 from ..bridge.curves import source_of
 from ..bridge.properties import repaint_proof
-from ..bridge.units import mm_per_unit, use_millimetres
+from ..bridge.units import LENGTH_DIGITS, mm_per_unit, use_millimetres
 from .polls import MAKE_LOCAL, has_printable
 from .viewing import frame_selected
 
@@ -23,7 +23,7 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
 
     height: bpy.props.FloatProperty(
-        name="Height", default=_USUAL_MM, min=1.0, max=1000.0, precision=1, unit="CAMERA",
+        name="Height", default=_USUAL_MM, min=1.0, max=1000.0, precision=LENGTH_DIGITS, unit="CAMERA",
         description="Height of the printed object",
     )  # fmt: skip
     scene_in_mm: bpy.props.BoolProperty(

@@ -9,6 +9,7 @@ from functools import cache
 import bpy
 
 from ..bridge.properties import repaint_proof
+from ..bridge.units import LENGTH_DIGITS
 from ..bridge.unwrap import smart_project, unwrap_steps
 from ..core.errors import PrintError
 from ..core.mesh.unwrapping import ChartOptions, PackOptions
@@ -54,7 +55,7 @@ class DUALCOLOR_OT_unwrap_xatlas(JobOperator, bpy.types.Operator):
         description="Weight of cutting where the surface is smooth",
     )  # fmt: skip
     texel_size: bpy.props.FloatProperty(
-        name="Texel Size", default=0.0, min=0.0, max=10.0, precision=3, unit="CAMERA",
+        name="Texel Size", default=0.0, min=0.0, max=10.0, precision=LENGTH_DIGITS, unit="CAMERA",
         description="Side of a texel, to which the padding is measured; 0 is half a layer",
     )  # fmt: skip
     padding: bpy.props.IntProperty(

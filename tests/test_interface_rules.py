@@ -93,6 +93,15 @@ def test_every_property_of_an_object_has_a_name_and_words(classes):
             assert made.name and made.description, made.identifier
 
 
+def test_lengths_are_not_rounded_to_other_lengths(operators):
+    """Of what has a unit Blender shows `precision` digits: with one, 25.4 mm is 25 mm and a brim of 2.5 mm is 2 mm."""
+    group = bpy.types.Object.bl_rna.properties["dualcolor"].fixed_type
+    names = [operator.bl_idname.split(".") for operator in operators]
+    kinds = [group, *(getattr(getattr(bpy.ops, module), name).get_rna_type() for module, name in names)]
+    lengths = [made for kind in kinds for made in kind.properties if getattr(made, "unit", "") == "CAMERA"]
+    assert len(lengths) > 50 and {made.precision for made in lengths} == {4}
+
+
 def test_every_panel_is_in_the_tab_and_its_parent_comes_first(classes):
     panels = [each for each in classes if issubclass(each, bpy.types.Panel)]
     seen = set()
