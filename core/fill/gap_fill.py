@@ -15,7 +15,7 @@ from ..ragged import starts
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
 from .mitres import Moved
-from .walls import offset
+from .walls import offset, offset_outlines
 
 # Line widths by which a line in a gap reaches into waves beside it, which leave pockets there.
 _INTO_WAVES = 0.4
@@ -68,7 +68,7 @@ def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margi
     reach = (0.5 - margin) * width
     # Strands end round, so what a wall takes at a sharp corner is round too.
     walls = shapely.buffer(inner[rows], (1 + _CORNER) * width - reach, quad_segs=2)
-    parts, owner = shapely.get_parts(shapely.difference(offset(outer[rows], -reach), walls), return_index=True)
+    parts, owner = shapely.get_parts(shapely.difference(offset_outlines(outer[rows], -reach), walls), return_index=True)
     large = (shapely.area(parts) > _SMALLEST_MM2) & (shapely.get_dimensions(parts) == 2)
     found[rows] = gathered(parts[large], owner[large], len(rows))
     return found
