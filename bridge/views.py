@@ -11,7 +11,7 @@ import bpy
 from ..core.errors import OutputError
 from ..core.files import write_file
 from ..core.model import SurfaceModel
-from ..core.progress import Progress, retold
+from ..core.progress import Progress, translated
 from ..core.viewing import (
     DISTANCES_MM,
     TURNTABLE,
@@ -70,7 +70,7 @@ def picture_steps(
                 step = number / len(files or still), f"rendering, {view}"
                 yield step
                 taken = _take(camera, view, files.get(view), options, sheet is not None, shown is not None)
-                rows.append((yield from retold(taken, lambda _, step=step: step)))
+                rows.append((yield from translated(taken, lambda _, step=step: step)))
     if sheet:
         write_file(sheet, _png(contact_sheet(rows, _labels(options, shown is not None))))
     if TURNTABLE in files:
@@ -109,7 +109,7 @@ def _turn(
             step = done + (1 - done) * turn, f"rendering, turntable {number + 1}/{TURNTABLE_FRAMES}"
             yield step
             taken = camera.picture(options.azimuth_deg + 360.0 * turn, VIEWS["front"][1], steady=True)
-            seen = yield from retold(taken, lambda _, step=step: step)
+            seen = yield from translated(taken, lambda _, step=step: step)
             frames.append(Image.fromarray(_from_distance(seen, camera.mm_per_pixel, options.distance)))
     animation = BytesIO()
     frames[0].save(animation, "GIF", save_all=True, append_images=frames[1:], duration=_FRAME_MS, loop=0)

@@ -1,4 +1,4 @@
-"""How a setting is declared, with all that panels and validation need to know, and how a value is held against that."""
+"""How a setting is declared, with all that panels and validation need, and how a value is checked against it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def checked(declared: Field[Any], value: Any) -> Any:
     return value
 
 
-_NEXT_TO_NOTHING = 1e-9  # what is not more is 0: no setting tells them apart, and nothing divided by it is too large
+_NEXT_TO_NOTHING = 1e-9  # smaller values become 0: no setting needs them, and dividing by them would overflow
 _KIND_NAMES = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 _TRUTH = {"true": True, "1": True, "yes": True, "on": True, "false": False, "0": False, "no": False, "off": False}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class PrintError(Exception):
-    """A job that cannot go on, told to the user in one sentence.
+    """A job that cannot go on, with one sentence for the user.
 
     Attributes:
         message: what is wrong, one sentence without a full stop.
@@ -37,4 +37,4 @@ class OutputError(PrintError):
 
 
 class CalibrationError(PrintError):
-    """Readings or a tone table that are missing, broken or at odds with one another."""
+    """Readings or a tone table that are missing, broken or inconsistent."""

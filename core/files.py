@@ -10,7 +10,7 @@ from typing import Any
 
 from .errors import OutputError, PrintError
 
-# Settings take a few kB, tables some more; nothing is read farther than this.
+# Settings take a few kB, tables somewhat more; no file is read beyond this.
 MOST_JSON_BYTES = 1 << 20
 MOST_PRINT_BYTES = 400_000_000
 _REASONS = {
@@ -28,11 +28,11 @@ _REASONS = {
 
 
 def read_json(path: Path) -> Any:
-    """What a JSON file holds, without reading or nesting beyond all bounds.
+    """The content of a JSON file, limited in size and nesting.
 
     Raises:
         OSError: it cannot be read.
-        ValueError: it is too large or no JSON.
+        ValueError: it is too large or not JSON.
     """
     with path.open("rb") as file:
         data = file.read(MOST_JSON_BYTES + 1)
@@ -52,7 +52,7 @@ def read_print_file(path: Path) -> bytes:
     """
     try:
         with path.open("rb") as file:
-            data = file.read(MOST_PRINT_BYTES + 1)  # no farther, whatever the file's size is said to be
+            data = file.read(MOST_PRINT_BYTES + 1)  # no farther, whatever size the file claims
     except OSError as problem:
         raise PrintError(f"{path} cannot be read", problem.strerror or "choose another file") from None
     if len(data) > MOST_PRINT_BYTES:
@@ -73,7 +73,7 @@ def write_file(path: str | os.PathLike[str], data: bytes) -> None:
     target = Path(os.path.realpath(path))
     try:
         if target.exists() and not target.is_file() and not target.is_dir():
-            target.write_bytes(data)  # a device such as /dev/null must not be renamed over
+            target.write_bytes(data)  # a device such as /dev/null must not be replaced by a file
             return
         if target.is_dir():
             raise IsADirectoryError(errno.EISDIR, "is a folder")
@@ -94,6 +94,6 @@ def _write_beside_and_rename(target: Path, data: bytes) -> None:
     try:
         temporary.write_bytes(data)
         os.replace(temporary, target)
-    except BaseException:  # whatever it is is raised again: also after an interrupt nothing half made may stay
+    except BaseException:  # raised again: after an interrupt, too, nothing half-written may stay
         temporary.unlink(missing_ok=True)
         raise

@@ -18,7 +18,7 @@ BoolArray = NDArray[np.bool_]
 Shapes = NDArray[np.object_]
 """Geometries of shapely."""
 
-_CHUNK_FACES = 1 << 13  # worked on at once, what stays in the cache
+_CHUNK_FACES = 1 << 13  # so that intermediate arrays stay in the cache
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class ToneImage:
 
 
 class SupportMark(IntEnum):
-    """What the user wishes of the supports at a face or in a volume."""
+    """What the user wants of the supports at a face or in a volume."""
 
     BLOCKER = -1
     NONE = 0
@@ -82,8 +82,8 @@ class SurfaceModel:
         polygon_object: (P,) int64 index into `object_names`, or None for a single object.
         polygon_support: (P,) int64, a `SupportMark` of each, or None where there is none.
         volumes: solids that enforce or block supports.
-        corner_visibility: (C,) 0 to 1, how much seams are seen there, or None where nothing says so.
-        polygon_visibility: (P,) int64 index into `textures`, -1 for none, of pictures that say it; or None.
+        corner_visibility: (C,) 0 to 1, how visible seams are there, or None if that is not set.
+        polygon_visibility: (P,) int64 index into `textures` of the picture that says so, -1 for none; or None.
         notes: warnings from when it was read, one sentence each.
     """
 
@@ -127,7 +127,7 @@ class TriangleMesh:
         face_object: (F,) int64 index of the object on the plate, or None for a single object.
         face_support: (F,) int64, a `SupportMark` of each, or None where there is none.
         volumes: solids that enforce or block supports, placed like the mesh.
-        face_visibility: (F, 3) 0 to 1, how much seams are seen at each corner, or None where nothing says so.
+        face_visibility: (F, 3) 0 to 1, how visible seams are at each corner, or None if that is not set.
         face_visibility_texture: (F,) int64 index of the texture that says so, -1 for none; or None.
     """
 
@@ -151,7 +151,7 @@ class TriangleMesh:
 
     @cached_property
     def area_normals(self) -> FloatArray:
-        """(F, 3) mm², along the normal of each face and twice as long as its area is large; not to be written to."""
+        """(F, 3) mm², normals whose length is twice the area of their face; not to be written to."""
         x, y, z = (np.ascontiguousarray(column) for column in self.vertices.T)
         normal = np.empty((len(self.faces), 3))
         for begin in range(0, len(normal), _CHUNK_FACES):

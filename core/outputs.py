@@ -36,7 +36,7 @@ class OutputFiles:
             _check_writable(path)
 
     def staged(self, path: Path) -> Path:
-        """A temporary name in the same folder, with the same suffix, for what shall become `path`."""
+        """A temporary name in the same folder, with the same suffix, for the file that will become `path`."""
         target = Path(os.path.realpath(path))
         folder = Path(tempfile.gettempdir()) if _is_device(target) else target.parent
         self._staged[target] = folder / f".dualcolor-{os.getpid()}-{path.stem}.part{path.suffix}"
@@ -72,7 +72,7 @@ class OutputFiles:
 
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
-    """Within the block a request to end (SIGTERM, SIGHUP) unwinds the stack as Ctrl+C does: files are tidied."""
+    """Within the block a request to end (SIGTERM, SIGHUP) unwinds the stack as Ctrl+C does, so files are removed."""
     names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
     if threading.current_thread() is not threading.main_thread():
         names = []  # only there can handlers be set
@@ -101,7 +101,7 @@ def make_folder(path: Path) -> None:
 
 
 def _is_device(path: Path) -> bool:
-    """Whether a path is something like /dev/null, which must not be renamed over."""
+    """Whether a path is something like /dev/null, which must not be replaced by a file."""
     return path.exists() and not path.is_file()
 
 

@@ -17,7 +17,7 @@ from .records import dataclass
 from .settings import PrintSettings
 
 PRESETS = Path(__file__).resolve().parent.parent / "presets"
-# What the presets of each kind are about, by the groups of the settings.
+# The groups of settings that presets of each kind hold.
 KINDS = {"printer": ("printer",), "filament": ("filament",), "quality": ("print",), "pattern": ("pattern", "texture")}
 GCODE_SUFFIXES = (".gcode", ".gco", ".g")
 _NAME = re.compile(r"\w[\w .+-]{0,59}")
@@ -88,19 +88,19 @@ def preset_values(names: Sequence[str], own: Path | None = None) -> dict[str, An
 
 
 def kind_settings(kind: str) -> tuple[str, ...]:
-    """Names of the settings that a preset of this kind holds when the user saves one."""
+    """Names of the settings that a preset of this kind holds when the user saves it."""
     return tuple(declared.name for declared in fields(PrintSettings) if declared.metadata["group"] in KINDS[kind])
 
 
 def agrees(preset: Preset, values: Mapping[str, Any]) -> bool:
-    """Whether settings have, up to single precision, all the values of a preset."""
+    """Whether settings have all the values of a preset, up to single precision."""
     return bool(preset.settings) and all(
         name in values and _alike(values[name], value) for name, value in preset.settings.items()
     )
 
 
 def save_preset(own: Path, kind: str, name: str, settings: PrintSettings) -> Path:
-    """Keep the settings of a kind under a name in the user's folder; a preset of the user's by that name is replaced.
+    """Save the settings of a kind in the user's folder; a preset of the user's with that name is replaced.
 
     Raises:
         SettingsError: the name is taken by another preset, or cannot be a file's name.
@@ -176,7 +176,7 @@ def _object(path: Path) -> dict[str, Any]:
 
 
 def _header_values(path: Path) -> dict[str, Any]:
-    """What the comments at the head of a G-code file say about settings; other comments are passed over."""
+    """The settings in the comments at the head of a G-code file; other comments are ignored."""
     known = {declared.name for declared in fields(PrintSettings)}
     values: dict[str, Any] = {}
     for line in _start_of(path).decode("ascii", "replace").splitlines():

@@ -1,4 +1,4 @@
-"""What the program knows about a printer itself: reach, limits of its motion, axes of its nozzles, start and end."""
+"""What the program knows about a printer: reach, limits of its motion, axes of its nozzles, start and end."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ Triple = tuple[float, float, float]
 Four = tuple[float, float, float, float]
 # Facts are data: another machine with this firmware is one more file here.
 _HINT = "copy another file of that folder and change its numbers"
-_MOST = 1e9  # no fact is larger; what is no number is not smaller
+_MOST = 1e9  # no fact is larger; NaN fails the comparison too
 PRINTERS = Path(__file__).resolve().parent.parent / "presets" / "printer"
 
 
 @dataclass(frozen=True)
 class MarlinCommands:
-    """What a printer with Marlin or Klipper firmware is told; without it the dialect is MakerBot's.
+    """The commands of a printer with Marlin or Klipper firmware; others get MakerBot's dialect.
 
     In the lines {bed}, {nozzle_0} and {nozzle_1} stand for temperatures, {tool} for the number of a tool.
 
@@ -52,10 +52,10 @@ class PrinterProfile:
         home: mm, X and Y where the end stops leave the carriage.
         max_speed_mm_s: of X, Y, Z and of the filament.
         acceleration_mm_s2: of X, Y, Z and of the filament.
-        max_speed_change_mm_s: speed that X, Y, Z and the filament may change by at once in a corner.
+        max_speed_change_mm_s: instant change of speed allowed in a corner, of X, Y, Z and the filament.
         queue_moves: moves that the firmware sees ahead; it is always able to stop at the last of them.
         tool_axes: letter of each tool's filament axis.
-        nozzle_distance_mm: that the carriage shifts by at a tool change; the firmware does it.
+        nozzle_distance_mm: by which the firmware shifts the carriage at a tool change.
         steps_per_mm: of X, Y, Z and of the filament, as GPX converts them.
         home_feedrate_mm_min: greatest of X, Y, Z towards their end stops.
         bed_min: mm, least X, Y, Z that a nozzle may go to.
@@ -66,9 +66,9 @@ class PrinterProfile:
         homing_mm_min: feedrates of the start sequence: X and Y, Z fast, Z slowly.
         travel_mm_min: feedrate of the start sequence and of the nozzle shift at a tool change.
         lift_mm_min: feedrate of Z in the start and the end sequence.
-        warm_up_c: that the nozzles wait at while the bed heats: warm, but nothing drips yet.
+        warm_up_c: of the nozzles while the bed heats: warm, but nothing drips yet.
         prime_x: mm, |X| where a priming line starts and ends; tool 0 on the right half, tool 1 on the left.
-        prime_y: mm, Y of the priming lines, and farther in front for prints that reach as far as they.
+        prime_y: mm, Y of the priming lines, and another one farther in front for prints that reach the first.
         marlin: its own lines if the firmware is Marlin or Klipper; None for MakerBot's dialect and X3G.
     """
 
@@ -100,7 +100,7 @@ class PrinterProfile:
 
 
 def printer_names() -> tuple[str, ...]:
-    """The printers that there are files of, in alphabetical order."""
+    """Names of the printers that have a file, in alphabetical order."""
     return tuple(sorted(path.stem for path in PRINTERS.glob("*.json")))
 
 
@@ -149,7 +149,7 @@ def _values(kind: type, facts: dict[str, Any], path: Path, optional: str = "") -
 
 
 def _fits(fact: Any, kind: Any) -> bool:
-    """Whether a value from a file is a text, a number, or a list of as many of them as there must be."""
+    """Whether a value from a file has the declared type: a text, a number, or a list of the right length of them."""
     parts: Sequence[Any] = get_args(kind)
     if parts and parts[-1] is Ellipsis:
         return isinstance(fact, list) and all(_fits(part, parts[0]) for part in fact)

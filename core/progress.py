@@ -1,4 +1,4 @@
-"""Long jobs are generators that yield how far they are and return what they made: here they are run and translated."""
+"""Long jobs are generators that yield their progress and return their result; here they are run and translated."""
 
 from __future__ import annotations
 
@@ -6,26 +6,28 @@ from collections.abc import Callable, Generator
 from typing import TypeVar
 
 Progress = tuple[float, str]
-"""Share done, and what comes next."""
+"""Share done, and the name of what comes next."""
 
 _Result = TypeVar("_Result")
-_Told = TypeVar("_Told")
-_Said = TypeVar("_Said")
+_Step = TypeVar("_Step")
+_Translated = TypeVar("_Translated")
 
 
-def drained(job: Generator[_Told, None, _Result], told: Callable[[_Told], object] = lambda _: None) -> _Result:
-    """Run a job to its end; `told` is called with all that it yields. Returns what the job returns."""
+def drained(job: Generator[_Step, None, _Result], on_step: Callable[[_Step], object] = lambda _: None) -> _Result:
+    """Run a job to its end; `on_step` is called with everything that it yields. Returns what the job returns."""
     while True:
         try:
             step = next(job)
         except StopIteration as finished:
             result: _Result = finished.value
             return result
-        told(step)
+        on_step(step)
 
 
-def retold(job: Generator[_Told, None, _Result], said: Callable[[_Told], _Said]) -> Generator[_Said, None, _Result]:
-    """The same job, yielding what `said` makes of each thing that it yields; closing it closes the job."""
+def translated(
+    job: Generator[_Step, None, _Result], translate: Callable[[_Step], _Translated]
+) -> Generator[_Translated, None, _Result]:
+    """The same job, with each step translated; closing it closes the job."""
     try:
         while True:
             try:
@@ -33,6 +35,6 @@ def retold(job: Generator[_Told, None, _Result], said: Callable[[_Told], _Said])
             except StopIteration as finished:
                 result: _Result = finished.value
                 return result
-            yield said(step)
+            yield translate(step)
     finally:
         job.close()

@@ -1,8 +1,8 @@
-"""Frozen dataclasses that share their methods, as a hundred of them are made when the program starts.
+"""Frozen dataclasses that share their methods, since a hundred of them are defined when the program starts.
 
 The standard library writes and compiles six functions for every class, which is nearly half of the time that importing
 the program takes. Here the fields are the standard library's own, with all that works on them (`fields`, `replace`,
-`asdict`), and only how they get into an instance is told once for all classes.
+`asdict`), and only the functions that fill, compare and print instances are shared by all classes.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ else:
         """As `dataclasses.dataclass`, for classes whose instances do not change.
 
         Args:
-            frozen: True; it stands there for type checkers and readers.
+            frozen: must be True; it is there for type checkers and readers.
         """
 
         def decorated(cls: type[Made]) -> type[Made]:
             made = dataclasses.dataclass(init=False, repr=False, eq=False)(cls)
             made.__init__ = _init_of(made)
             made.__setattr__ = made.__delattr__ = _refused
-            made.__eq__, made.__hash__, made.__repr__ = _equal, _hashed, _told
+            made.__eq__, made.__hash__, made.__repr__ = _equal, _hashed, _shown
             return made
 
         if not frozen:
@@ -37,7 +37,7 @@ else:
 
 
 def _init_of(made: type[Any]) -> Callable[..., None]:
-    """What fills the instances of a class, from its fields and their defaults."""
+    """The `__init__` of a class, from its fields and their defaults."""
     known = {field.name: field for field in dataclasses.fields(made)}
     names = tuple(known)
     usual = {name: field.default for name, field in known.items() if field.default is not dataclasses.MISSING}
@@ -74,6 +74,6 @@ def _hashed(self: Any) -> int:
     return hash(_values(self))
 
 
-def _told(self: Any) -> str:
+def _shown(self: Any) -> str:
     held = ", ".join(f"{field.name}={getattr(self, field.name)!r}" for field in dataclasses.fields(self) if field.repr)
     return f"{type(self).__qualname__}({held})"

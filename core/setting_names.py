@@ -1,10 +1,10 @@
-"""What somebody may have meant who names a setting that there is not."""
+"""Suggestions for the name of an unknown setting."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-# Names of PrusaSlicer and Cura that are nothing like ours.
+# Names in PrusaSlicer and Cura that differ too much from ours to be found by similarity.
 _ELSEWHERE = {
     "adhesion_type": "brim_width",
     "bottom_layers": "bottom_solid_layers",

@@ -20,7 +20,7 @@ from .records import dataclass
 from .settings import PrintSettings
 
 TAPS = 3
-"""Places along each side of the window whose mean is what the print shows of it."""
+"""Places along each side of the window; the mean over all of them is what the print shows."""
 
 _TONES, _SLANTS = 65, 19
 _MOST_POINTS = 100_000
@@ -29,13 +29,13 @@ _UV_ROUNDING = 1e-6
 
 @dataclass(frozen=True)
 class ProofTable:
-    """What tones asked for look like, for S slopes and K tones; between them it is interpolated.
+    """What the print shows of each tone, for S slopes and K tones; values between them are interpolated.
 
     Attributes:
         tone: (K,) asked for, evenly from 0 to 1.
         slant_deg: (S,) of the wall, evenly from 0 upright to 90 looking up; overhangs count as upright.
         reflectance: (S, K) linear, face on.
-        notes: what is to be said about it, a sentence each.
+        notes: about the table, one sentence each.
     """
 
     tone: FloatArray
@@ -47,8 +47,8 @@ class ProofTable:
 def proof_table(settings: PrintSettings, shown: tuple[float, float]) -> ProofTable:
     """How the print will show tones.
 
-    A tone beyond the picture's own range is shown as if the picture had it: so a stroke darker than all there was is
-    seen at once. What that does to the other tones needs a new table.
+    A tone beyond the picture's own range is shown as if the picture had it, so a stroke darker than everything else
+    shows at once. How it changes the other tones needs a new table.
 
     Args:
         settings: of the pattern and the calibration.
@@ -74,7 +74,7 @@ def proof_table(settings: PrintSettings, shown: tuple[float, float]) -> ProofTab
 def proof_window(settings: PrintSettings) -> tuple[float, float]:
     """Width and height in mm of what an upright wall shows as one tone: a layer pair high, with waves a wave wide.
 
-    A wall that leans shows its layers farther apart; there the window is as much higher.
+    On a leaning wall the layers lie farther apart along the surface; the window is higher by the same factor.
     """
     pair = 2 * settings.layer_height
     return (pair if settings.pattern == "offset" else max(pair, settings.wavelength)), pair
@@ -88,7 +88,7 @@ def proof_settings(settings: PrintSettings) -> dict[str, Any]:
 
 
 def repeats(model: SurfaceModel) -> bool:
-    """Whether UVs leave the picture, so that it is repeated; otherwise the border's texels go on."""
+    """Whether UVs leave the picture, so that it is repeated; otherwise its border texels are extended."""
     uv = model.corner_uv
     return uv is not None and bool(uv.min(initial=0.0) < -_UV_ROUNDING or uv.max(initial=1.0) > 1 + _UV_ROUNDING)
 
@@ -96,8 +96,8 @@ def repeats(model: SurfaceModel) -> bool:
 def tone_range(model: SurfaceModel, settings: PrintSettings) -> tuple[float, float]:
     """The darkest and the lightest tone on the walls of a surface, at the resolution of the print, specks left out.
 
-    Read off at places all over the surface, without the pyramids of the job. Flat faces have no part in it: they are
-    printed in lines, not in tones.
+    Sampled at points all over the surface, without the pyramids of the job. Flat faces do not count: they are printed
+    in lines, not in tones.
 
     Raises:
         MeshError: no faces, or coordinates that are not finite.
@@ -124,7 +124,7 @@ def tone_range(model: SurfaceModel, settings: PrintSettings) -> tuple[float, flo
 
 
 def _reach(uv: FloatArray, area: FloatArray, settings: PrintSettings) -> FloatArray:
-    """(T,) side of a layer pair's square in the pictures of triangles with UVs (T, 3, 2) and areas in mm²."""
+    """(T,) side in UV units of a square as high as a layer pair; triangles have UVs (T, 3, 2) and areas in mm²."""
     a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     charted = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2
     return np.asarray(2 * settings.layer_height * np.sqrt(charted / np.maximum(area, 1e-12)))
@@ -133,7 +133,7 @@ def _reach(uv: FloatArray, area: FloatArray, settings: PrintSettings) -> FloatAr
 def _averaged(
     model: SurfaceModel, number: int, uv: FloatArray, reach: FloatArray, background_tone: float
 ) -> FloatArray:
-    """(n,) mean tone of a texture over squares of side `reach` (n,) about places (n, 2)."""
+    """(n,) mean tone of a texture over squares of side `reach` (n,) about UVs (n, 2)."""
     picture = model.textures[number]
     painted = picture.alpha * picture.tone + (1.0 - picture.alpha) * np.float32(background_tone)
     painted = _coarser(painted, float(np.median(reach)) * max(painted.shape) / (2 * TAPS) if len(reach) else 1.0)
@@ -149,7 +149,7 @@ def _averaged(
 
 
 def _coarser(painted: Float32Array, texels: float) -> Float32Array:
-    """Means over squares of so many texels (H, W), rounded down; what is left at the border is dropped."""
+    """(h, w) means of (H, W) over squares of `texels` texels a side, rounded down; an incomplete border is dropped."""
     side = min(int(texels), *painted.shape)
     if side < 2:
         return painted

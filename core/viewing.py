@@ -31,7 +31,7 @@ TURNTABLE = "turntable"
 USUAL_VIEW = "three-quarter"
 
 DISTANCES_MM = {"hand": 300.0, "desk": 700.0, "shelf": 2000.0}
-"""How far an object is from the eye, mm, in a hand, on the desk one sits at, and on a shelf across the room."""
+"""Distance of the eye from an object in the hand, on the desk, and on a shelf across the room, mm."""
 
 _ARC_MINUTE_RAD = math.radians(1 / 60)
 _SIGMA_OF_FWHM = 1 / math.sqrt(8 * math.log(2))
@@ -45,7 +45,7 @@ class PictureOptions:
 
     Attributes:
         azimuth_deg: the side of the object that is its front: 0 is -Y, 90 is +X.
-        distance: a key of `DISTANCES_MM`, from which the eye does not see finer detail; "" shows all.
+        distance: a key of `DISTANCES_MM`; detail too fine for the eye at that distance is left out; "" shows all.
         resolution: width and height in pixels; those of a turntable are at most 480.
         samples: of each pixel at most.
         whole_plate: with tower, skirt and supports.
@@ -72,7 +72,7 @@ def resolution_mm(distance_mm: float) -> float:
 
 
 def seen_from(picture: Picture, mm_per_pixel: float, distance_mm: float) -> Picture:
-    """A picture at its size, without what is too fine for an eye at a distance.
+    """A picture without the detail that is too fine for the eye at a distance, in the same size.
 
     Light that reaches the eye from a point spreads over about an arc minute: a Gaussian of that width at half its
     height, applied to linear light. Beyond its edges the picture is taken to be mirrored.

@@ -9,7 +9,7 @@ import bpy
 from ..bridge.model_check import TITLES, Findings, check_steps, repair, select
 from ..bridge.properties import set_findings
 from ..bridge.units import LENGTH_DIGITS
-from ..core.progress import Progress, retold
+from ..core.progress import Progress, translated
 from .job import JobOperator, Steps
 from .polls import has_mesh, has_own_mesh
 from .viewing import frame_selected
@@ -98,7 +98,7 @@ class DUALCOLOR_OT_repair_model(bpy.types.Operator):
 
 def _checked(obj: bpy.types.Object) -> Generator[Progress, None, Findings]:
     least_wall = _LINES_OF_A_WALL * obj.dualcolor.extrusion_width
-    return retold(check_steps(obj, least_wall), lambda share: (share, "checking the model"))
+    return translated(check_steps(obj, least_wall), lambda share: (share, "checking the model"))
 
 
 OPERATORS = (DUALCOLOR_OT_check_model, DUALCOLOR_OT_select_finding, DUALCOLOR_OT_repair_model)

@@ -12,7 +12,7 @@ from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept, stages_of
 from ..core.model import SurfaceModel
 from ..core.pipeline import DualColorPrint, steps
-from ..core.progress import Progress, retold
+from ..core.progress import Progress, translated
 from ..core.settings import PrintSettings
 from ..core.wording import counted
 from .job import JobOperator, Steps
@@ -56,7 +56,7 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
     result = kept(obj, digest) if reuse else None
     if result is None:
         job = steps(model, settings, stages_of(obj))
-        result = yield from retold(job, lambda step: (step[0] * _SHARE_OF_PIPELINE, step[1]))
+        result = yield from translated(job, lambda step: (step[0] * _SHARE_OF_PIPELINE, step[1]))
         yield _SHARE_OF_PIPELINE, "strands"
         check_present(objects)
         show_in_local_views(context, obj, build_preview(result, obj, others))

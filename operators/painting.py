@@ -18,7 +18,7 @@ from ..bridge.painting import (
 from ..bridge.properties import repaint_proof
 from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
-from ..core.progress import retold
+from ..core.progress import translated
 from ..core.texture.decode import LUMINANCE
 from ..core.texture.grade import Grade
 from .job import JobOperator, Steps
@@ -149,7 +149,7 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         size = image_size(former) if former else (picture_size(obj, texel),) * 2
         uv_map = picture_uv(obj).name if former else ""
         job = occlusion_steps(obj, size, self.distance, self.samples, uv_map)
-        shade = yield from retold(job, lambda share: (share, "baking ambient occlusion"))
+        shade = yield from translated(job, lambda share: (share, "baking ambient occlusion"))
         image = former or give_picture(obj, texel, 1.0)
         made = darkened(image, shade, self.strength)
         exchange_picture(obj, image, made)
