@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 
 from .model import BoolArray, FloatArray, IntArray
-from .ragged import starts
+from .ragged import ranges, starts
 from .records import dataclass
 
 
@@ -76,10 +76,27 @@ class Paths:
             swapped=None if self.swapped is None else self.swapped[:count],
         )
 
+    def selected(self, keep: BoolArray) -> Paths:
+        """The paths that `keep` (K,) marks."""
+        count: IntArray = np.diff(self.start)[keep]
+        point = ranges(self.start[:-1][keep], count)
+        return Paths(
+            points=self.points.take(point, axis=0),
+            start=starts(count),
+            layer=self.layer[keep],
+            feature=self.feature[keep],
+            island=self.island[keep],
+            closed=self.closed[keep],
+            width=self.width[point],
+            swapped=None if self.swapped is None else self.swapped[keep],
+        )
+
     @staticmethod
     def joined(parts: list[Paths]) -> Paths:
         """All paths of several tables in one."""
         parts = [part for part in parts if len(part.layer)] or [Paths.empty()]
+        if len(parts) == 1:
+            return parts[0]
         counts = np.concatenate([np.diff(part.start) for part in parts])
         return Paths(
             points=np.concatenate([part.points for part in parts]),

@@ -9,6 +9,7 @@ from .job.findings import findings
 from .job.path_stages import path_stages
 from .job.stage_cache import StageCache
 from .job.stages import Stages
+from .job.toolpaths import summary, summary_anew
 from .job.wall_stages import wall_stages
 from .model import FloatArray, SurfaceModel, TriangleMesh
 from .pattern.wave import WavedOutlines
@@ -16,7 +17,7 @@ from .progress import Progress, drained
 from .records import dataclass
 from .settings import PrintSettings
 from .slicing.slices import Slices
-from .statistics.time_and_filament import layer_begins, move_seconds, stretches
+from .statistics.time_and_filament import layer_begins
 from .toolpaths.moves import Moves
 
 
@@ -73,14 +74,10 @@ def steps(
         wall = yield from wall_stages(model, settings, stages)
         paths = yield from path_stages(wall, settings, stages)
         yield stages.begin(0.9, "analysis")
-        summary = stages.run("time", _summary, paths.moves, settings)
-        report = findings(model, wall, paths, *summary, settings)
+        told = stages.run_layers("time", summary, summary_anew, (paths.moves,), settings)
+        report = findings(model, wall, paths, *told, settings)
     report |= stages.ended()
-    begins = layer_begins(*summary)
+    begins = layer_begins(*told)
     return DualColorPrint(
         settings, model.name, wall.mesh, wall.cut, wall.outlines, paths.moves, begins, report, report["warnings"]
     )
-
-
-def _summary(moves: Moves, settings: PrintSettings) -> tuple[Moves, FloatArray]:
-    return stretches(moves, move_seconds(moves, settings.printer_profile))

@@ -111,7 +111,9 @@ def compared(model, settings):
     printer = settings.printer_profile
     known = paths.single_color.result()
     told = single_color_seconds(known, paths.moves, move_seconds(paths.moves, printer), settings)
-    moves = single_color_moves(wall.outlines, paths.inner, wall.cut.layers, settings, paths.within)
+    moves = single_color_moves(
+        wall.outlines, Paths.joined([paths.fill, paths.beside.holding]), wall.cut.layers, settings, paths.within
+    )
     return told, move_seconds(moves, printer).sum(), len(known.layer) / len(wall.cut.layers)
 
 

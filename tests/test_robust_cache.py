@@ -5,9 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core.fill.paths import fill_areas
 from dualcolor.core.gcode.writer import gcode_text
-from dualcolor.core.job import path_stages
 from dualcolor.core.job.stage_cache import StageCache
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
@@ -100,19 +98,6 @@ def test_another_picture_keeps_the_slices(monkeypatch):
     names.clear()
     generate(moved, PrintSettings(), cache=cache)
     assert {"slicing", "contours"} <= set(names)
-
-
-def test_a_stroke_fills_only_the_islands_anew_that_it_moves(monkeypatch):
-    cache, given = StageCache(), []
-    monkeypatch.setattr(path_stages, "fill_areas", lambda *all_of: given.append(len(all_of[0])) or fill_areas(*all_of))
-    generate(model(FIRST), PrintSettings(), cache=cache)
-    tone = FIRST.tone.copy()
-    tone[12:14] = 0.5
-    names = counted(cache, monkeypatch)
-    touched = generate(model(replace(FIRST, tone=tone)), PrintSettings(), cache=cache)
-    assert 0 < given[1] < given[0] / 2 and len(given) == 2
-    assert "wave" in names and "surroundings" not in names  # what stands on the bed knows the first layer alone
-    assert of(touched) == of(generate(model(replace(FIRST, tone=tone)), PrintSettings()))
 
 
 def test_memory_is_bounded():

@@ -64,7 +64,7 @@ def findings(
         *footing_warnings(mesh, model.names, cut.regions[0], settings),
         *line_warnings(settings),
         *thin_warnings(thin, settings),
-        *skirt_warnings(paths.around, settings),
+        *skirt_warnings(paths.beside.around, settings),
         *slope_warnings(slopes),
         *standby_warnings(moves, seconds, settings),
         *visibility_warnings(mesh, settings),

@@ -9,28 +9,27 @@ from dataclasses import replace
 from shapely import Geometry, get_parts
 
 from ..fill.paths import fill_areas, fill_lines
-from ..model import Shapes
+from ..model import FloatArray, IntArray, Shapes
 from ..paths import Paths
 from ..pattern.contours import Contours
+from ..pattern.wave import WavedOutlines
 from ..printability.thin_features import ThinFeatures, thin_features
 from ..progress import Progress
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.planes import Layers
 from ..slicing.slices import Slices
 from ..statistics.single_color import SingleColor, single_color
 from ..supports.grid_overlay import distinct
 from ..supports.paths import Supports, on_bed, supports
-from ..toolpaths.assemble import assemble
 from ..toolpaths.moves import Moves
-from ..toolpaths.order import ordered
 from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths
-from ..toolpaths.overhangs import Undersides, undersides, with_overhangs
-from ..toolpaths.raft import lifted, raised
+from ..toolpaths.overhangs import undersides
+from ..toolpaths.raft import raised
 from ..toolpaths.surroundings import ground, shadow, surrounding_paths
 from ..toolpaths.travels import Rooms, rooms
-from .checks import check
+from .anew import areas_anew, filled_anew, inside_anew
 from .stages import Stages
+from .toolpaths import Surrounded, toolpaths, toolpaths_anew
 from .wall_stages import PaintedWall
 
 # Outlines behind the wave may differ from the true ones by this much, mm.
@@ -42,19 +41,17 @@ class PrintedPaths:
     """All that is extruded, and the moves between.
 
     Attributes:
-        inner: fill and supports.
-        around: skirt or brim, tower, shield and raft.
+        fill: behind the outer wall.
         within: where travels may go.
-        hanging: where walls may hang over air.
+        beside: what no tone changes.
         moves: the print in order.
         thin: features too thin for a wall, worked out beside the stages.
         single_color: what is known of the same object in one colour, worked out beside the stages.
     """
 
-    inner: Paths
-    around: Paths
+    fill: Paths
     within: Rooms
-    hanging: Undersides | None
+    beside: Surrounded
     moves: Moves
     thin: Future[ThinFeatures]
     single_color: Future[SingleColor]
@@ -66,7 +63,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     Raises:
         PrintError: the print does not fit the printer.
     """
-    run, aside, cut, lines = stages.run, stages.aside, wall.cut, wall.lines
+    run, layered, aside, cut, lines = stages.run, stages.run_layers, stages.aside, wall.cut, wall.lines
     yield stages.begin(0.6, "supports")
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
     outer = outer_wall_paths(wall.outlines)
@@ -75,30 +72,37 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     hanging = aside("undersides", undersides, wall.mesh, cut.layers.plane, settings)
     thin = aside("thin features", thin_features, cut, lines, settings)
     yield stages.begin(0.65, "fill")
+    island_layer = cut.polygon_layer
     of_wall = (wall.outlines, lines, wall.depth, wall.set_back)
-    inside = run("inside", inside_of_wall, *of_wall, len(cut.polygons), FILL_TOLERANCE)
+    inside = layered("inside", _inside, inside_anew, of_wall, island_layer, FILL_TOLERANCE)
     known = wall.closing.result()
-    islands = (inside, cut.polygon_layer, known.skins.regions, known.skins.whole)
-    areas = stages.run_rows("areas", fill_areas, islands, settings)
-    fill = run("fill", fill_lines, areas, known.bridges, cut.polygon_layer, settings)
-    inner = run("inner", _joined, fill, holding.paths)
-    within = run("rooms", rooms, inside, cut.polygon_layer, known.outlines)
+    skins = known.skins.regions, known.skins.whole
+    areas = layered("areas", fill_areas, areas_anew, (inside,), island_layer, *skins, settings)
+    fill = layered("fill", fill_lines, filled_anew, (areas,), known.bridges, island_layer, settings)
+    within = rooms(inside, island_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
+    inner = Paths.joined([fill, holding.paths])
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
-    below = (hanging.result(), known.outlines)
-    moves = run("toolpaths", _moves, outer, inner, around.result(), cut.layers, within, *below, settings)
-    return PrintedPaths(inner, around.result(), within, hanging.result(), moves, thin, alone)
+    beside = Surrounded(holding.paths, around.result(), cut.layers, hanging.result(), known.outlines)
+    printed = layered("toolpaths", toolpaths, toolpaths_anew, (outer, fill, within), beside, settings)
+    return PrintedPaths(fill, within, beside, printed.moves, thin, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
     """The print with each layer's whole wall in the layer's own colour, to tell what the tool changes cost."""
     outer = outer_wall_paths(replace(wall.outlines, swapped=None))
-    below = (paths.hanging, wall.closing.result().outlines)
-    return _moves(outer, paths.inner, paths.around, wall.cut.layers, paths.within, *below, settings)
+    return toolpaths(outer, paths.fill, paths.within, paths.beside, settings).moves
 
 
-def _joined(fill: Paths, holding: Paths) -> Paths:
-    return Paths.joined([fill, holding])
+def _inside(
+    outlines: WavedOutlines,
+    lines: Contours,
+    depth: FloatArray,
+    set_back: FloatArray,
+    island_layer: IntArray,
+    tolerance: float,
+) -> Shapes:
+    return inside_of_wall(outlines, lines, depth, set_back, len(island_layer), tolerance)
 
 
 def _shadow(lines: Contours, holding: Supports, settings: PrintSettings) -> Geometry:
@@ -109,20 +113,3 @@ def _shadow(lines: Contours, holding: Supports, settings: PrintSettings) -> Geom
 def _surroundings(shade: Geometry, cut: Slices, holding: Supports, wall: Paths, settings: PrintSettings) -> Paths:
     first = on_bed(cut.regions[0], holding.areas[0], settings)
     return surrounding_paths(ground(shade, first, wall, settings), raised(cut.layers, settings), settings)
-
-
-def _moves(
-    wall: Paths,
-    inner: Paths,
-    around: Paths,
-    layers: Layers,
-    within: Rooms,
-    hanging: Undersides | None,
-    outlines: Shapes,
-    settings: PrintSettings,
-) -> Moves:
-    paths = ordered(Paths.joined([lifted(wall, settings), lifted(inner, settings), around]), settings)
-    paths = with_overhangs(paths, hanging, outlines, settings)
-    moves = assemble(paths, raised(layers, settings), settings, within)
-    check(moves, settings)
-    return moves

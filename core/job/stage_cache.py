@@ -17,8 +17,11 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray
+from ..pattern.contours import Contours
+from ..pattern.sampling import Samples
 from ..records import dataclass
 from ..settings import PrintSettings
+from .layers import without_gaps
 
 Result = TypeVar("Result")
 Column = NDArray[Any]
@@ -29,6 +32,8 @@ _NOTES, _ORIGINAL = "_notes", "_original"
 MOST_BYTES = 1 << 30
 _BYTES_A_GEOMETRY = 200
 _BLOCK_WORDS = 1 << 15
+_LAYERS = "layers"
+_MOST_FRESH = 0.5  # of all layers; more are not worth it to keep the others
 
 
 @dataclass(frozen=True)
@@ -50,12 +55,12 @@ class StageCache:
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
         self._most_bytes = most_bytes
         self._held: dict[str, _Held] = {}
+        self._fresh: BoolArray | None = None  # layers, as `compare_layers` has found; None for all
+        self._is_whole = False  # whether the last run came to its end, so that all stages hold what belongs together
 
     def run(self, stage: str, function: Callable[..., Result], *arguments: Any) -> Result:
         """The function's result, kept under the stage's name; the former one if nothing that was read has changed."""
-        held = self._held.get(stage)
-        settings = next((given for given in arguments if isinstance(given, PrintSettings)), None)
-        others = tuple(given for given in arguments if given is not settings)
+        held, settings, others = self._asked(stage, arguments)
         if held and _is_read_alike(held, settings) and _same(held.arguments, others):
             kept: Result = held.result
             return kept
@@ -65,36 +70,61 @@ class StageCache:
         self._held[stage] = _Held(others, read, result)
         return result
 
-    def run_rows(
-        self, stage: str, function: Callable[..., Columns], rows: tuple[Column, ...], *arguments: Any
-    ) -> Columns:
-        """As `run`, of a function whose results have a row for each row of its first arguments, and from it alone.
+    def compare_layers(self, lines: Contours, samples: Samples, layers: int, columns: Columns) -> None:
+        """Find out on which layers the stages run by `run_layers` after this are given something else than last time.
 
-        Where only some rows have changed, it is only given those.
+        Args:
+            lines: N contour points.
+            samples: on them; if one of both is not what it was, all layers count as others.
+            layers: L.
+            columns: (N,) each, what the stages are given of the points.
+        """
+        held, known = self._held.get(_LAYERS), self._is_whole
+        self._held[_LAYERS], self._is_whole, self._fresh = _Held((lines, samples), {}, columns), False, None
+        if known and held and _same(held.arguments, (lines, samples)):
+            differs = np.logical_or.reduce([one != other for one, other in zip(held.result, columns, strict=True)])
+            fresh = np.zeros(layers, dtype=bool)
+            fresh[lines.layer[np.searchsorted(lines.start, np.flatnonzero(differs), side="right") - 1]] = True
+            fresh = without_gaps(fresh)
+            self._fresh = fresh if np.count_nonzero(fresh) <= _MOST_FRESH * len(fresh) else None
+
+    def run_layers(
+        self,
+        stage: str,
+        whole: Callable[..., Result],
+        anew: Callable[..., Result],
+        given: tuple[Any, ...],
+        *arguments: Any,
+    ) -> Result:
+        """As `run`, of what is made layer by layer from what `compare_layers` has looked at, or from what came of that.
 
         Args:
             stage: the name that the result is kept under.
-            function: from rows and the other arguments to (N,) arrays.
-            rows: (N,) arrays, the first arguments.
-            arguments: the others.
+            whole: the function, of what is given and the other arguments.
+            anew: the same, of the former result and the (L,) layers that differ before all else; see `anew.py`.
+            given: made from what has been compared.
+            arguments: the others; where these are not what they were, nothing is kept.
         """
-        held = self._held.get(stage)
-        settings = next((given for given in arguments if isinstance(given, PrintSettings)), None)
-        others = tuple(given for given in arguments if given is not settings)
-        alike = held and _is_read_alike(held, settings) and _same(held.arguments[1:], others)
-        if not held or not alike or len(held.arguments[0][0]) != len(rows[0]):
-            return self.run(stage, lambda given, *more: function(*given, *more), rows, *arguments)
-        fresh = np.flatnonzero(~_same_rows(held.arguments[0], rows))
-        kept: Columns = held.result
-        if len(fresh):
+        held, settings, others = self._asked(stage, arguments)
+        if self._fresh is None or not (held and _is_read_alike(held, settings) and _same(held.arguments[1:], others)):
+            result = self.run(stage, lambda given, *more: whole(*given, *more), given, *arguments)
+            if self._held[stage] is not held:  # what comes of it is new on all layers
+                self._fresh = None
+            return result
+        kept: Result = held.result
+        if self._fresh.any():
             read = dict(held.read)
-            more = (_watched(settings, read) if given is settings and settings else given for given in arguments)
-            columns = function(*(column[fresh] for column in rows), *more)
-            kept = tuple(column.copy() for column in kept)
-            for column, part in zip(kept, columns, strict=True):
-                column[fresh] = part
-            self._held[stage] = _Held((rows, *others), read, kept)
+            more = (_watched(settings, read) if one is settings and settings else one for one in arguments)
+            kept = anew(kept, self._fresh, *given, *more)
+            self._held[stage] = _Held((given, *others), read, kept)
         return kept
+
+    def _asked(
+        self, stage: str, arguments: tuple[Any, ...]
+    ) -> tuple[_Held | None, PrintSettings | None, tuple[Any, ...]]:
+        """What is held of a stage, and its arguments: the settings, and the others."""
+        settings = next((given for given in arguments if isinstance(given, PrintSettings)), None)
+        return self._held.get(stage), settings, tuple(given for given in arguments if given is not settings)
 
     def former(self, name: str, value: Result) -> Result:
         """What was last kept under a name if it equals the value, so that stages know it again; else the value."""
@@ -105,7 +135,8 @@ class StageCache:
         return kept
 
     def trim(self) -> None:
-        """Forget all if it takes too much memory."""
+        """The run is over: forget all if it takes too much memory."""
+        self._is_whole = True
         if self.size > self._most_bytes:
             self._held.clear()
 
@@ -123,11 +154,19 @@ class NoCache(StageCache):
         """The function's result."""
         return function(*arguments)
 
-    def run_rows(
-        self, stage: str, function: Callable[..., Columns], rows: tuple[Column, ...], *arguments: Any
-    ) -> Columns:
+    def compare_layers(self, lines: Contours, samples: Samples, layers: int, columns: Columns) -> None:
+        """There is nothing to compare with."""
+
+    def run_layers(
+        self,
+        stage: str,
+        whole: Callable[..., Result],
+        anew: Callable[..., Result],
+        given: tuple[Any, ...],
+        *arguments: Any,
+    ) -> Result:
         """The function's result."""
-        return function(*rows, *arguments)
+        return whole(*given, *arguments)
 
     def former(self, name: str, value: Result) -> Result:
         """The value."""
@@ -188,14 +227,6 @@ def _equal_arrays(first: Column, second: Column) -> bool:
     return np.array_equal(one[whole:], other[whole:]) and all(
         np.array_equal(words[0][block], words[1][block]) for block in blocks
     )
-
-
-def _same_rows(first: Columns, second: Columns) -> BoolArray:
-    """(N,) which rows of (N,) arrays are equal in all of them."""
-    same = np.ones(len(second[0]), dtype=bool)
-    for one, other in zip(first, second, strict=True):
-        same &= shapely.equals_identical(one, other) if other.dtype == object else one == other
-    return same
 
 
 def _bytes(held: Any, seen: set[int]) -> int:

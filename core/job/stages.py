@@ -20,7 +20,8 @@ class Stages:
 
     Attributes:
         run: calls a function unless the cache holds its result, see `StageCache.run`.
-        run_rows: the same for functions of rows, see `StageCache.run_rows`.
+        compare_layers: see `StageCache.compare_layers`.
+        run_layers: makes only those layers anew that differ, see `StageCache.run_layers`.
         former: a value that the cache may know, see `StageCache.former`.
     """
 
@@ -28,7 +29,8 @@ class Stages:
         self._cache = cache or NoCache()
         self._clock = StageClock()
         self._beside = ThreadPoolExecutor(1)
-        self.run, self.run_rows, self.former = self._cache.run, self._cache.run_rows, self._cache.former
+        self.run, self.former = self._cache.run, self._cache.former
+        self.compare_layers, self.run_layers = self._cache.compare_layers, self._cache.run_layers
 
     def __enter__(self) -> Stages:
         """Nothing is to be made ready."""

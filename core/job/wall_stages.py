@@ -30,6 +30,7 @@ from ..texture.island_levels import island_levels
 from ..texture.labels import uv_charts
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids, build_pyramids, sizes_of
+from .anew import waved_anew
 from .stages import Stages
 
 
@@ -109,7 +110,9 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     depth, set_back = run("modulation", modulated, lines, printed, slant, settings)
     set_back = run("strand edges", widened, lines, printed, set_back, settings)
     depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
-    outlines = run("wave", waved, lines, samples, tone, depth, set_back, settings, swapped)
+    stages.compare_layers(lines, samples, len(cut.layers), (tone, depth, set_back))
+    of_wave = (lines, samples, tone, depth, set_back)
+    outlines = stages.run_layers("wave", waved, waved_anew, of_wave, settings, swapped)
     return PaintedWall(
         mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint,
         closes,

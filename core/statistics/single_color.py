@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import FloatArray, IntArray
 from ..paths import Feature, Paths
 from ..pattern.wave import WavedOutlines
 from ..ragged import following, ranges, starts, sums
@@ -123,7 +123,7 @@ def single_color_moves(
     number[chosen] = np.arange(len(chosen))
     wall = _unwaved(outlines, number, settings.chord_tolerance)
     dropped = [int(feature) for feature in (Feature.OUTER_WALL, *ONLY_DUAL)]
-    rest = _selected(paths, ~np.isin(paths.feature, dropped) & (number[paths.layer] >= 0))
+    rest = paths.selected(~np.isin(paths.feature, dropped) & (number[paths.layer] >= 0))
     rest = replace(rest, layer=number[rest.layer])
     plain = replace(settings, wave_speed=settings.outline_speed)
     stack = Layers(layers.plane[chosen], layers.top[: len(chosen)], layers.height[chosen])
@@ -152,18 +152,4 @@ def _unwaved(outlines: WavedOutlines, number: IntArray, tolerance: float) -> Pat
         island=outlines.polygon[chosen],
         closed=np.ones(len(chosen), dtype=bool),
         width=np.full(len(points), float(np.median(outlines.width)) if len(outlines.width) else 0.0),
-    )
-
-
-def _selected(paths: Paths, chosen: BoolArray) -> Paths:
-    count: IntArray = np.diff(paths.start)[chosen]
-    point = ranges(paths.start[:-1][chosen], count)
-    return Paths(
-        points=paths.points.take(point, axis=0),
-        start=starts(count),
-        layer=paths.layer[chosen],
-        feature=paths.feature[chosen],
-        island=paths.island[chosen],
-        closed=paths.closed[chosen],
-        width=paths.width[point],
     )

@@ -1,0 +1,93 @@
+"""Tables whose rows lie layer by layer: some layers of them, and layers of one put in the place of another's."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from itertools import pairwise
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ..model import BoolArray
+from ..pattern.contours import Contours
+from ..pattern.wave import WavedOutlines
+from ..ragged import starts
+from ..toolpaths.moves import Moves
+from ..toolpaths.order import OrderedPaths
+
+_SHORT_GAP, _MOST_RUNS = 4, 8
+_OFFSETS = ("start", "arc_start")
+
+Table = TypeVar("Table", Contours, WavedOutlines, OrderedPaths, Moves)
+
+
+def runs(layers: BoolArray) -> list[tuple[int, int]]:
+    """The first layer, and the one after the last, of each run of those marked (L,)."""
+    changes = np.diff(layers.astype(np.int8), prepend=0, append=0)
+    return [(first, last) for first, last in np.flatnonzero(changes).reshape(-1, 2).tolist()]
+
+
+def widened(layers: BoolArray, by: int) -> BoolArray:
+    """(L,) the layers marked and so many below and above each."""
+    wide = layers.copy()
+    for step in range(1, by + 1):
+        wide[step:] |= layers[:-step]
+        wide[:-step] |= layers[step:]
+    return wide
+
+
+def without_gaps(layers: BoolArray) -> BoolArray:
+    """(L,) the layers marked and those between neighbouring runs; with many runs all from the first to the last."""
+    found, filled = runs(layers), layers.copy()
+    for (_, last), (first, _) in pairwise(found):
+        filled[last:first] |= first - last <= _SHORT_GAP or len(found) > _MOST_RUNS
+    return filled
+
+
+def between(table: Table, first: int, last: int) -> Table:
+    """The layers from `first` to the one before `last`, as views.
+
+    Args:
+        table: its `layer` (K,) does not decrease; columns have a row for each of these, or, where there is a `start`,
+            for each of their points.
+        first: layer.
+        last: layer.
+    """
+    low, high = np.searchsorted(table.layer, (first, last)).tolist()
+    start = getattr(table, "start", None)
+    points = slice(low, high) if start is None else slice(int(start[low]), int(start[high]))
+
+    def rows(name: str, column: Any) -> Any:
+        if column is None or name in _OFFSETS:
+            return column if column is None else column[low : high + 1]
+        return column[low:high] if len(column) == len(table.layer) else column[points]
+
+    columns = {column.name: rows(column.name, getattr(table, column.name)) for column in fields(table)}
+    if start is not None:
+        columns["start"] = columns["start"] - points.start
+    return type(table)(**columns)
+
+
+def joined(parts: list[Table]) -> Table:
+    """Several tables one after the other."""
+    if len(parts) == 1:
+        return parts[0]
+    columns: dict[str, Any] = {}
+    for name in (column.name for column in fields(parts[0])):
+        values = [getattr(part, name) for part in parts]
+        if name == "start":
+            columns[name] = starts(np.concatenate([np.diff(start) for start in values]))
+        else:
+            columns[name] = None if values[0] is None else np.concatenate(values)
+    return type(parts[0])(**columns)
+
+
+def some(table: Table, layers: BoolArray) -> Table:
+    """The layers marked (L,), at least one."""
+    return joined([between(table, first, last) for first, last in runs(layers)])
+
+
+def spliced(former: Table, fresh: Table, layers: BoolArray) -> Table:
+    """The layers marked (L,) of a fresh table, the others of the former one."""
+    edges = [0, *(np.flatnonzero(layers[1:] != layers[:-1]) + 1).tolist(), len(layers)]
+    return joined([between(fresh if layers[first] else former, first, last) for first, last in pairwise(edges)])

@@ -1,0 +1,155 @@
+"""All paths in order, the moves that print them, and what these add up to; some layers of it anew."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+
+from ..model import BoolArray, FloatArray, IntArray, Shapes
+from ..paths import Paths
+from ..records import dataclass
+from ..settings import PrintSettings
+from ..slicing.planes import Layers
+from ..statistics.time_and_filament import move_seconds, stretches
+from ..toolpaths.assemble import assemble
+from ..toolpaths.moves import Moves
+from ..toolpaths.order import OrderedPaths, ordered
+from ..toolpaths.overhangs import Undersides, with_overhangs
+from ..toolpaths.raft import lifted, raised
+from ..toolpaths.travels import Rooms
+from .checks import check
+from .layers import joined, runs, some, spliced, widened
+
+_LOCAL_SEAMS = ("rear", "nearest")  # those that ask for no seam of the layer below
+
+
+@dataclass(frozen=True)
+class Toolpaths:
+    """The print in order.
+
+    Attributes:
+        paths: as they are printed.
+        moves: with the ways between them.
+    """
+
+    paths: OrderedPaths
+    moves: Moves
+
+
+@dataclass(frozen=True)
+class Surrounded:
+    """What no tone changes of what toolpaths are made from.
+
+    Attributes:
+        holding: supports.
+        around: skirt or brim, tower, shield and raft.
+        layers: the object's stack.
+        hanging: where walls may hang over air.
+        outlines: (L,) cross-section of each layer.
+    """
+
+    holding: Paths
+    around: Paths
+    layers: Layers
+    hanging: Undersides | None
+    outlines: Shapes
+
+
+def toolpaths(wall: Paths, fill: Paths, within: Rooms, beside: Surrounded, settings: PrintSettings) -> Toolpaths:
+    """Order all paths and join them by moves.
+
+    Args:
+        wall: the outer wall.
+        fill: all behind it.
+        within: where travels may go.
+        beside: all else.
+        settings: of the print.
+
+    Raises:
+        PrintError: the print does not fit the printer.
+    """
+    paths = _ordered([wall, fill, beside.holding], beside.around, beside, settings)
+    moves = assemble(paths, raised(beside.layers, settings), settings, within)
+    check(moves, settings)
+    return Toolpaths(paths, moves)
+
+
+def toolpaths_anew(
+    former: Toolpaths,
+    fresh: BoolArray,
+    wall: Paths,
+    fill: Paths,
+    within: Rooms,
+    beside: Surrounded,
+    settings: PrintSettings,
+) -> Toolpaths:
+    """As `toolpaths`, with the ways between the fresh layers and those beside them; see `anew.py`."""
+    stack = raised(beside.layers, settings)
+    if wall.swapped is not None or settings.seam_position not in _LOCAL_SEAMS or not _apart(former.paths, len(stack)):
+        return toolpaths(wall, fill, within, beside, settings)
+    on_raft = np.append(np.zeros(settings.raft_layers, dtype=bool), fresh)
+    own = [paths.selected(fresh[paths.layer]) for paths in (wall, fill, beside.holding)]
+    part = _ordered(own, beside.around.selected(on_raft[beside.around.layer]), beside, settings)
+    kept, part = _marked(former.paths, part)
+    paths = spliced(kept, part, on_raft)
+    # A layer's last moves lead to the next one, so that two more are needed to know those of one more.
+    near = widened(on_raft, 1)
+    made = assemble(some(paths, widened(on_raft, 2)), stack, settings, within)
+    check(some(made, near), settings)
+    return Toolpaths(paths, spliced(former.moves, made, near))
+
+
+def _ordered(parts: list[Paths], around: Paths, beside: Surrounded, settings: PrintSettings) -> OrderedPaths:
+    paths = ordered(Paths.joined([*(lifted(part, settings) for part in parts), around]), settings)
+    return with_overhangs(paths, beside.hanging, beside.outlines, settings)
+
+
+def _apart(paths: OrderedPaths, layers: int) -> bool:
+    """Whether each layer begins with a loop of the tower or the like, so that its order depends on no other layer."""
+    first = np.searchsorted(paths.layer, np.arange(layers))
+    if first[-1] == len(paths.layer) or (paths.layer[first] != np.arange(layers)).any():
+        return False
+    begin, end = paths.points[paths.start[first]], paths.points[paths.start[first + 1] - 1]
+    then = np.minimum(first + 1, len(paths.layer) - 1)
+    alone = (paths.island[then] != paths.island[first]) | (paths.layer[then] != paths.layer[first]) | (then == first)
+    return bool(((paths.island[first] < 0) & alone & (begin == end).all(axis=1)).all())
+
+
+def _marked(*tables: OrderedPaths) -> list[OrderedPaths]:
+    """The same, with marks of what hangs over air where one of them has any."""
+    if all(table.over_air is None for table in tables):
+        return list(tables)
+    marks = (np.zeros(len(table.points), dtype=bool) if table.over_air is None else table.over_air for table in tables)
+    return [replace(table, over_air=own) for table, own in zip(tables, marks, strict=True)]
+
+
+def summary(moves: Moves, settings: PrintSettings) -> tuple[Moves, FloatArray]:
+    """The `stretches` of the moves, and the seconds that they take."""
+    return stretches(moves, move_seconds(moves, settings.printer_profile))
+
+
+def summary_anew(
+    former: tuple[Moves, FloatArray], fresh: BoolArray, moves: Moves, settings: PrintSettings
+) -> tuple[Moves, FloatArray]:
+    """As `summary`; see `anew.py`."""
+    near = widened(np.append(np.zeros(settings.raft_layers, dtype=bool), fresh), 1)
+    bounds = np.searchsorted(moves.layer, np.array(runs(near)))
+    inside = bounds[(bounds > 0) & (bounds < len(moves.layer))]
+    if (moves.tool[inside] == moves.tool[inside - 1]).any():  # the printer does not stand still there
+        return summary(moves, settings)
+    kept = np.flatnonzero(~near[former[0].layer])
+    parts = [(_rows(former[0], kept), former[1][kept])]
+    for begin, end in bounds.tolist():
+        first = max(begin - 1, 0)  # from where the first way leads
+        part = _rows(moves, slice(first, end))
+        seconds = move_seconds(part, settings.printer_profile)[begin - first :]
+        parts.append(stretches(_rows(part, slice(begin - first, None)), seconds))
+    tables, taken = zip(*parts, strict=True)
+    table = joined(list(tables))
+    order = np.argsort(table.layer, kind="stable")
+    return _rows(table, order), np.concatenate(taken)[order]
+
+
+def _rows(moves: Moves, rows: slice | IntArray) -> Moves:
+    return Moves(*(getattr(moves, column.name)[rows] for column in fields(Moves)))
