@@ -1,4 +1,4 @@
-"""What a measurement holds for: the settings that shape the strands, the plastics and the renderer."""
+"""What a measurement is valid for: the settings that shape the strands, the plastics and the renderer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class About:
     """Where readings come from.
 
     Attributes:
-        settings: those that the readings hold for, by name.
+        settings: that the readings are valid for, by name.
         reflectance: of a flat sheet of each plastic, by "Black" and "White", linear.
         source: the program and version that made the picture, or "photograph".
     """
@@ -28,7 +28,7 @@ class About:
     source: str
 
     def differences(self, settings: PrintSettings) -> list[str]:
-        """The settings that the readings do not hold for, each as "name 0.2 instead of 0.25"."""
+        """The settings that differ from those of the readings, each as "name 0.2 instead of 0.25"."""
         wanted = tone_settings(settings)
         names = sorted(set(wanted) | set(self.settings), key=lambda name: (name not in _ALWAYS, name))
         return [
@@ -38,7 +38,7 @@ class About:
         ]
 
     def distance(self, settings: PrintSettings) -> tuple[int, float]:
-        """How far the readings are from holding for settings: how many differ, and by what shares of them in all."""
+        """How far settings are from those of the readings: how many differ, and the sum of relative differences."""
         wanted = tone_settings(settings)
         shares = []
         for name in sorted(set(wanted) | set(self.settings)):
@@ -57,7 +57,7 @@ class About:
 
     @staticmethod
     def from_dict(values: dict[str, Any]) -> About:
-        """What `as_dict` gave.
+        """The inverse of `as_dict`.
 
         Raises:
             KeyError: something is missing.

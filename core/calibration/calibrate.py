@@ -1,4 +1,4 @@
-"""From the tone asked for to the tone to print: the stage in front of the modulation (paper, section 6.2)."""
+"""From the tone asked for to the tone to print: the stage before the modulation (paper, section 6.2)."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from .gamut_mapping import image_range, printable_tones
 from .table import ToneTable, read_table, slope_shares
 
 SHIPPED = Path(__file__).resolve().parent.parent.parent / "presets" / "calibration"
-# Steps of the table that is looked up: from black to white, and degrees from slope to slope.
+# Resolution of the look-up table: steps from black to white, and degrees from slope to slope.
 _LEVELS, _SLANT_STEP = 512, 0.25
 _HINT = "measure one with dualcolor measure and dualcolor build-table, or set calibration = none"
 
 
 def calibrated(tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings) -> tuple[FloatArray, list[str]]:
-    """The tones to print so that the tones asked for are seen, face on, and what is to be said about the table.
+    """The tones to print so that, seen face on, they look like those asked for; and notes about the table.
 
     Args:
         tone: (N,) asked for, 0 black to 1 white, at the points of all contours.
         slant_deg: (N,) of the surface; overhangs count as upright.
-        settings: calibration, calibration_file and gamut_mapping, and those that the table must hold for.
+        settings: calibration, calibration_file and gamut_mapping are used, and those that the table must fit.
 
     Raises:
         CalibrationError: calibration_file cannot be read.
@@ -43,12 +43,12 @@ def calibrated(tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings)
         notes.append(f"the tone table holds for other settings ({', '.join(differences)}): {_HINT}")
     slants = table.slant_deg[:1] if settings.calibration == "upright" else table.slant_deg
     shown = image_range(tone, settings.layer_height * settings.wavelength / POINTS_PER_WAVELENGTH)
-    ways = printable_tones(np.linspace(0.0, 1.0, _LEVELS + 1), slants, table, shown, settings).printed
-    return _looked_up(ways, slants, tone, slant_deg), notes
+    to_print = printable_tones(np.linspace(0.0, 1.0, _LEVELS + 1), slants, table, shown, settings).printed
+    return _looked_up(to_print, slants, tone, slant_deg), notes
 
 
 def table_for(settings: PrintSettings) -> ToneTable | None:
-    """The table that tells how the pattern looks: the user's own, or the one that comes with the program.
+    """The tone table of the pattern: the user's own, or the one that comes with the program.
 
     Raises:
         CalibrationError: calibration_file cannot be read.
@@ -62,15 +62,22 @@ def table_for(settings: PrintSettings) -> ToneTable | None:
 
 
 def shipped_table(settings: PrintSettings) -> ToneTable | None:
-    """Of the tables that come with the program the one for this pattern that fits best; None if there is none."""
+    """The table of the program that fits this pattern and its settings best; None if there is none."""
     tables = [read_table(path) for path in sorted((SHIPPED / settings.pattern).glob("*.json"))]
     return min(tables, key=lambda table: table.about.distance(settings), default=None)
 
 
-def _looked_up(ways: FloatArray, slants: FloatArray, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:
-    """(N,) read off between the two nearest entries of the row for the nearest slope."""
+def _looked_up(to_print: FloatArray, slants: FloatArray, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:
+    """(N,) tones to print, interpolated between tones, for the nearest slope in steps of a quarter degree.
+
+    Args:
+        to_print: (S, K) tone to print for S slopes and K evenly spaced tones.
+        slants: (S,) degrees, of the rows.
+        tone: (N,) asked for.
+        slant_deg: (N,) of the surface.
+    """
     fine = np.arange(slants[0], slants[-1] + _SLANT_STEP, _SLANT_STEP)
-    flat = (slope_shares(slants, fine) @ ways).ravel()
+    flat = (slope_shares(slants, fine) @ to_print).ravel()
     rise = np.diff(flat, append=flat[-1])
     printed = np.empty_like(tone)
     for begin in range(0, len(tone), CHUNK_ROWS):
@@ -79,7 +86,7 @@ def _looked_up(ways: FloatArray, slants: FloatArray, tone: FloatArray, slant_deg
         column = across.astype(np.int64)
         across -= column
         row = np.clip((slant_deg[part] - slants[0]) * (1 / _SLANT_STEP) + 0.5, 0.0, len(fine) - 1.0)
-        column += row.astype(np.int64) * ways.shape[1]
+        column += row.astype(np.int64) * to_print.shape[1]
         across *= rise.take(column)
         np.add(across, flat.take(column), out=printed[part])
     return printed

@@ -11,19 +11,19 @@ from .table import ToneTable, slope_shares
 
 WHOLE_RANGE = (0.0, 1.0)
 _SPECK_MM2, _SPECK_SHARE = 1.0, 0.001
-_LEAST_SHARED = 0.75  # of a slope's range, or of the range aimed at if that is smaller, is used at least
+_LEAST_SHARED = 0.75  # least share of a slope's range, or of the target range if that is smaller, that is used
 
 
 @dataclass(frozen=True)
 class PrintableTones:
-    """Tables from tones asked for to what is aimed at, printed and seen. S slopes, K tones.
+    """Tables from the tones asked for to target, printed and seen ones. S slopes, K tones.
 
     Attributes:
         tone: (K,) asked for.
         slant_deg: (S,) slope of the wall, 0 upright.
-        target: (S, K) linear reflectance that is aimed at, which may be out of the wall's reach.
+        target: (S, K) linear reflectance wanted, which may be out of the wall's reach.
         printed: (S, K) tone that the pattern is modulated by, 0 to 1; what `modulation.shape` takes.
-        seen: (S, K) linear reflectance of the wall then, face on.
+        seen: (S, K) linear reflectance of the printed wall, face on.
     """
 
     tone: FloatArray
@@ -40,17 +40,17 @@ def printable_tones(
     image_range: tuple[float, float],
     settings: PrintSettings,
 ) -> PrintableTones:
-    """What the job makes of tones on walls of some slopes, as tables to look up or to interpolate.
+    """What the job makes of tones on walls of some slopes, as tables to interpolate.
 
-    To show a print without printing it, take `calibrate.table_for(settings)` (None: nothing is known of the pattern,
-    tones are printed as they are), the `image_range` of the tones on the surface, and evenly spread tones and slopes,
-    and read `seen` at each place between its four nearest entries. The job itself looks `printed` up so.
+    To predict a print, take `calibrate.table_for(settings)` (None: nothing is known of the pattern, tones are printed
+    as they are), the `image_range` of the tones on the surface, and evenly spaced tones and slopes, and interpolate
+    `seen` between its four nearest entries. The job interpolates `printed` in the same way.
 
     Args:
         tones: (K,) asked for, 0 black to 1 white.
         slant_deg: (S,) of the walls, 0 upright, 90 looking up; overhangs count as upright.
         table: of the pattern.
-        image_range: from `image_range`, of all that is printed together.
+        image_range: from `image_range`, of everything printed together.
         settings: calibration and gamut_mapping are used; with `none` the tones are printed as they are.
     """
     slants = np.clip(np.asarray(slant_deg, dtype=np.float64), table.slant_deg[0], table.slant_deg[-1])
@@ -66,12 +66,12 @@ def printable_tones(
 def image_range(tone: FloatArray, area_mm2: FloatArray | float) -> tuple[float, float]:
     """The darkest and the lightest tone of a picture on a surface, specks left out.
 
-    At least a square millimetre is as dark, or as light, or a thousandth of the surface if that is less: a pixel that
-    is broken or blown out does not count, a word of fine print does.
+    At least a square millimetre of the surface, or a thousandth of it if that is less, is as dark or as light: a broken
+    or blown-out pixel does not count, a word of fine print does.
 
     Args:
-        tone: (N,) asked for at places all over what is printed.
-        area_mm2: (N,) of the surface that each stands for, or one for all.
+        tone: (N,) asked for at points all over the surface.
+        area_mm2: (N,) of the surface that each point stands for, or one for all.
 
     Returns:
         Both, the darkest first; `WHOLE_RANGE` if there are no places.
@@ -93,14 +93,14 @@ def image_range(tone: FloatArray, area_mm2: FloatArray | float) -> tuple[float, 
 
 
 def targets(table: ToneTable, mapping: str, tone: FloatArray, image_range: tuple[float, float]) -> FloatArray:
-    """(S, K) the reflectance that stands for each tone asked for, on each slope of the table.
+    """(S, K) the reflectance wanted for each tone asked for, on each slope of the table.
 
-    `compress` puts the picture's darkest and lightest tone, and all others evenly between them, on the darkest and
-    lightest that an upright wall can print: so equal tones look equal on every slope, as far as they can. It never
-    stretches: contrast stays at most that of the plastics themselves, and a picture with less than the wall can show
-    lies as high in the printable range as it lay between black and white. A slope whose own range lies elsewhere gets
-    the tones lighter or darker, just enough to show most of its range. `clip` takes the tones for the reflectance of
-    the plastics. What is out of reach prints as the nearest tone.
+    `compress` maps the picture's darkest and lightest tone, and all others evenly between them, to the darkest and
+    lightest that an upright wall can print, so that equal tones look equal on every slope as far as possible. It never
+    stretches: contrast is at most that of the plastics themselves, and a picture with less contrast than the wall can
+    show keeps its relative position between dark and light. On a slope with another range all tones are made lighter
+    or darker, just enough to use most of that range. `clip` takes tones as reflectances between those of the
+    plastics. Targets out of reach print as the nearest tone.
 
     Args:
         table: of which the least slope sets the printable range.

@@ -1,4 +1,4 @@
-"""Gamut maps as a picture: a column a viewing angle, a row a tone (paper, Figure 7)."""
+"""Gamut maps as a picture: one column per viewing angle, one row per tone (paper, Figure 7)."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ..model import FloatArray
 from ..texture.decode import srgb_from_linear
 from .sweep import Sweep
 
-_COLUMN, _ROW, _GAP, _MARGIN, _TEXT = 14, 7, 44, 64, 15
+_COLUMN, _ROW, _GAP, _MARGIN, _TEXT = 14, 7, 44, 64, 15  # pixels
 _TITLES = {"phi": "phi: from below to above", "theta": "theta: from left to right", "face": "face on"}
 
 
 def gamut_maps(sweeps: Sequence[Sweep]) -> Image.Image:
-    """All maps, a row a slant and a column a block of directions; brightness is what is seen, sRGB.
+    """All maps on one page, a row of maps per slant and a column per block of directions; brightness is sRGB.
 
     Args:
         sweeps: of one kind of print.
@@ -40,7 +40,7 @@ def gamut_maps(sweeps: Sequence[Sweep]) -> Image.Image:
 
 
 def one_map(sweep: Sweep) -> Image.Image:
-    """A map alone: a column a viewing angle, the white tone at the top."""
+    """A single map: one column per viewing angle, the white tone at the top."""
     shown = srgb_from_linear(np.nan_to_num(sweep.reflectance[::-1]))
     pixels = np.rint(shown * 255).astype(np.uint8)
     return Image.fromarray(np.kron(pixels, np.ones((_ROW, _COLUMN), dtype=np.uint8)))

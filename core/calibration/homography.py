@@ -1,4 +1,4 @@
-"""Plane to photograph and back: what a camera makes of a flat rectangle."""
+"""Homographies: the perspective map between a flat rectangle and its photograph."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from ..model import BoolArray, FloatArray
 
 
 def square_to(corners: FloatArray) -> FloatArray:
-    """(…, 3, 3) what takes the unit square's (0, 0), (1, 0), (1, 1), (0, 1) to four corners (…, 4, 2)."""
+    """(…, 3, 3) the homographies that map (0, 0), (1, 0), (1, 1), (0, 1) to four corners (…, 4, 2).
+
+    Closed form of Heckbert, Fundamentals of Texture Mapping and Image Warping, 1989.
+    """
     (x0, y0), (x1, y1), (x2, y2), (x3, y3) = (np.moveaxis(corners[..., n, :], -1, 0) for n in range(4))
     right_x, right_y, down_x, down_y = x1 - x2, y1 - y2, x3 - x2, y3 - y2
     skew_x, skew_y = x0 - x1 + x2 - x3, y0 - y1 + y2 - y3
@@ -21,7 +24,7 @@ def square_to(corners: FloatArray) -> FloatArray:
 
 
 def projected(matrix: FloatArray, points: FloatArray) -> FloatArray:
-    """(…, N, 2) where matrices (…, 3, 3) take points (N, 2)."""
+    """(…, N, 2) images of points (N, 2) under homographies (…, 3, 3)."""
     homogeneous = np.column_stack([points, np.ones(len(points))]) @ np.swapaxes(matrix, -1, -2)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(homogeneous[..., :2] / homogeneous[..., 2:])

@@ -1,7 +1,7 @@
 """Finding the corner marks of the step wedge in a photograph.
 
-The crossing of a mark's squares is a saddle of the brightness, however the camera stands and the light falls. The
-strongest saddles are tried four at a time, and the four between which the wedge's tones lie are the marks.
+The crossing of a mark's squares is a saddle of the brightness, for any camera position and light. The strongest saddles
+are tried four at a time, and the four between which the wedge's tones are found are the marks.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from .homography import is_clockwise, projected, square_to
 from .photograph import Photograph
 from .step_wedge import MARKS, patch_tones, patches, quarter_tones
 
-_LONG_SIDE = 900  # pixels in which marks are looked for
-_SIGMAS = (2.5, 3.2, 4.0)  # of these pixels, then of pixels twice and four times as large
+_LONG_SIDE = 900  # pixels of the reduced photograph in which marks are looked for
+_SIGMAS = (2.5, 3.2, 4.0)  # of the blur, in pixels of that size, then in pixels twice and four times as large
 _COARSER = (1, 2, 4)
-_LEAST_SIDE = 16  # pixels; no tile can be read in less
-_CANDIDATES = 22
-_PROPORTIONS = (1.2, 5.0)  # of the rectangle between the marks, which is 2.5 wide, and however it is seen
-_MOST_CONVERGENT = 2.0  # how much longer than the opposite side a side may look
-_DARKEST = 3e-3  # linear; an eight-bit picture knows nothing of what is below
-_LEAST_SIMILAR, _LEAST_SIMILAR_CLICKED = 0.8, 0.4
-_LEAST_PATCH_PX = 16.0
+_LEAST_SIDE = 16  # pixels; smaller pictures cannot show a tile
+_CANDIDATES = 22  # saddles; all fours of them are tried: 7,315
+_PROPORTIONS = (1.2, 5.0)  # width / height in the picture of the rectangle between the marks, whose own is 2.5
+_MOST_CONVERGENT = 2.0  # most that a side may look longer than the opposite one
+_DARKEST = 3e-3  # linear; 8-bit pictures do not resolve less
+_LEAST_SIMILAR, _LEAST_SIMILAR_CLICKED = 0.8, 0.4  # correlation with the wedge, of found marks and of clicked ones
+_LEAST_PATCH_PX = 16.0  # least height or width of a patch
 _LEAST_SHARE = 0.01  # of the picture that the wedge fills
-_REFINED_MM = (1.2, 0.9, 0.9)  # width of the view of a mark, step by step
-_FARTHEST_MM = 4.0  # that a mark is moved
-_CLICK_MM, _STEPS = 3.0, 9  # how far a user's corners may be off, and in how many steps marks are looked for there
-_FINEST_PX = 60  # of the view of a mark; more is averaged
+_REFINED_MM = (1.2, 0.9, 0.9)  # sigma of the window around a mark, step by step
+_FARTHEST_MM = 4.0  # a refinement that moves a mark farther is dropped
+_CLICK_MM, _STEPS = 3.0, 9  # how far a user's corners may be off, and steps of the search there along each axis
+_FINEST_PX = 60  # side of the window around a mark; larger ones are averaged first
 
 
 def find_marks(photo: Photograph, settings: PrintSettings) -> FloatArray:
@@ -73,7 +73,7 @@ def checked_corners(photo: Photograph, corners: FloatArray, settings: PrintSetti
 
     Args:
         photo: of the wedge.
-        corners: (4, 2) pixels, clockwise, from any of the marks on.
+        corners: (4, 2) pixels, clockwise, starting at any mark.
         settings: that the wedge was printed with.
 
     Raises:
@@ -121,10 +121,10 @@ def patch_pixels(marks: FloatArray) -> float:
 
 
 def similarity(light: FloatArray, quads: FloatArray) -> FloatArray:
-    """(K,) how like the wedge a picture looks between marks: the correlation with its tones, the light evened out.
+    """(K,) similarity of a picture between marks to the wedge: correlation with its tones, uneven light removed.
 
     Args:
-        light: (H, W) logarithm of it, without what is finer than the marks' squares.
+        light: (H, W) logarithm of the light, blurred to the size of the marks' squares.
         quads: (K, 4, 2) pixels, in the order of `MARKS`.
     """
     places, tone = _samples()
@@ -154,7 +154,7 @@ def _samples() -> tuple[FloatArray, FloatArray]:
 def refined(photo: Photograph, marks: FloatArray, settings: PrintSettings, search: float = 0.0) -> FloatArray:
     """Marks (4, 2) moved to the middle of their crossings; one that cannot be seen clearly stays where it is.
 
-    About each the light is fitted by a plane and a saddle, with weights so wide that the pattern averages out.
+    Around each, a plane and a saddle are fitted to the light, with weights wide enough for the pattern to average out.
 
     Args:
         photo: of the wedge.
@@ -180,7 +180,7 @@ def refined(photo: Photograph, marks: FloatArray, settings: PrintSettings, searc
 
 
 def _strongest(photo: Photograph, to_photo: FloatArray, mark: FloatArray, mm: FloatArray, reach: float) -> FloatArray:
-    """(2,) mm from where a mark is taken to be to the strongest saddle within reach that is black at its upper left."""
+    """(2,) mm from the assumed place of a mark to the strongest saddle within reach that is black at its upper left."""
     steps = np.linspace(-reach, reach, _STEPS)
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
     strength = [-_fit(photo, to_photo, mark + offset / mm, mm, _REFINED_MM[-1])[3] for offset in offsets]
@@ -188,14 +188,14 @@ def _strongest(photo: Photograph, to_photo: FloatArray, mark: FloatArray, mm: Fl
 
 
 def _saddle_of(fit: FloatArray, sigma: float) -> FloatArray:
-    """(2,) mm from the middle to where a fit is level; 0 if it is more of an edge than of a saddle."""
+    """(2,) mm from the middle to the level point of a fit; 0 if it is an edge rather than a saddle."""
     if abs(fit[3]) * sigma <= np.abs(fit[1:3]).max():
         return np.zeros(2)
     return np.asarray(np.array([-fit[2], -fit[1]]) / fit[3])
 
 
 def _fit(photo: Photograph, to_photo: FloatArray, mark: FloatArray, mm: FloatArray, sigma: float) -> FloatArray:
-    """(4,) the light about a place of the wedge: as it is there, its rise to the right, downwards, and both by both."""
+    """(4,) coefficients of 1, x, y and xy (mm) fitted to the light around a place of the wedge."""
     span = MARKS[2] - MARKS[0]
     box = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * 3 * sigma / mm
     corners = projected(to_photo, (mark + box - MARKS[0]) / span)
@@ -218,7 +218,7 @@ def _saddles(light: FloatArray) -> FloatArray:
     down = light[2:, 1:-1] - 2 * light[1:-1, 1:-1] + light[:-2, 1:-1]
     both = (light[2:, 2:] - light[2:, :-2] - light[:-2, 2:] + light[:-2, :-2]) / 4
     strength = both * both - across * down
-    # Steeper one way than the other: a bump on an edge.
+    # Much steeper in one direction than in the other: a bump on an edge.
     strength[(across + down) ** 2 > 4 * strength] = 0.0
     row, column = np.nonzero(_is_peak(strength))
     strongest = np.argsort(strength[row + 1, column + 1], kind="stable")[::-1][:_CANDIDATES]
@@ -226,7 +226,7 @@ def _saddles(light: FloatArray) -> FloatArray:
 
 
 def _is_peak(values: FloatArray) -> BoolArray:
-    """(H - 2, W - 2) what is positive and greater than its eight neighbours."""
+    """(H - 2, W - 2) whether values are positive and greater than their eight neighbours."""
     high, wide = values.shape
     middle = values[1:-1, 1:-1]
     shifted = [values[r : high - 2 + r, c : wide - 2 + c] for r in range(3) for c in range(3) if (r, c) != (1, 1)]
@@ -234,7 +234,7 @@ def _is_peak(values: FloatArray) -> BoolArray:
 
 
 def _quadrilaterals(points: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """(K, 4, 2) what four of the points make and may be the marks: clockwise, the upper left one first."""
+    """(K, 4, 2) quadrilaterals of four of the points that may be the marks: clockwise, the upper left one first."""
     chosen: IntArray = np.array(list(combinations(range(len(points)), 4)), dtype=np.int64).reshape(-1, 4)
     quads = points[chosen]
     from_middle = quads - quads.mean(axis=1, keepdims=True)

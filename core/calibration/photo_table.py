@@ -15,24 +15,24 @@ from .photograph import Photograph
 from .step_wedge import COLUMNS, MARKS, ROWS, STEPS, Patches, patch_tones, patches, references
 from .table import ToneTable, isotonic
 
-_FINEST_PATCH_PX = 100.0  # more is averaged before it is read
-_MOST_FULL = 0.02  # of a white patch's pixels may be as bright as the file can tell
-_LEAST_CONTRAST = 0.02  # of the printed white, between it and the printed black
+_FINEST_PATCH_PX = 100.0  # larger patches are averaged before they are read
+_MOST_FULL = 0.02  # share of a white patch's pixels that may be at the file's maximum
+_LEAST_CONTRAST = 0.02  # between printed white and black, as a share of the white
 _OUTLIER = 3.0  # deviations from the median
 _LEAST_DEVIATION = 0.01  # of the patch's brightness
-_UNEVEN = 0.05  # of the range, that is left in the references
-_DESCENT = 0.05
+_UNEVEN = 0.05  # of the range; more left in the reference patches gives a warning
+_DESCENT = 0.05  # of the range; tones that descend by more give a warning
 
 
 @dataclass(frozen=True)
 class WedgeReading:
-    """What a photograph of the wedge tells. T tones.
+    """The tones read from a photograph of the wedge. T tones.
 
     Attributes:
         tone: (T,) from 0 to 1.
         seen: (T,) linear light, the printed black 0 and the printed white 1; not descending.
         noise: (T,) standard error of it.
-        notes: what is to be said about the photograph, one sentence each.
+        notes: about the photograph, one sentence each.
     """
 
     tone: FloatArray
@@ -82,15 +82,15 @@ def wedge_table(
 ) -> ToneTable:
     """The table of a printer and its filaments.
 
-    A photograph shows what lies between the printed black and white, not how dark and light these are: that is taken
-    from `ends`, or from the simulation. It shows an upright wall. On slopes the simulation is corrected by what it was
-    wrong by on the upright wall, in proportion to the slope's range; if it is one for other settings, there is only
-    the upright wall.
+    A photograph shows tones between the printed black and white, not how dark and light these are: that is taken from
+    `ends`, or from the simulation. It shows an upright wall. On slopes the simulation is corrected by its error on the
+    upright wall, in proportion to the slope's range; a simulation for other settings is not used, and the table has
+    only the upright wall.
 
     Args:
         reading: of the wedge.
         settings: that it was printed with.
-        simulated: of the tables at hand the one that fits these settings best.
+        simulated: the table that fits these settings best.
         ends: reflectance of the printed black and white, linear, if they are known.
         source: of the photograph.
     """
@@ -113,8 +113,8 @@ def wedge_table(
 def patch_means(photo: Photograph, marks: FloatArray, size: Patches) -> tuple[FloatArray, FloatArray]:
     """(5, 9) linear light of each patch's middle part and its standard error.
 
-    A patch is cut into pieces, each a whole period of the pattern high; pieces with blobs and gaps, which differ from
-    the others, are left out. Pixels count by the part of the patch that they show, so perspective is undone without
+    A patch is cut into pieces, each a whole period of the pattern high; pieces that differ from the others, by blobs or
+    gaps, are left out. Pixels are weighted by the area of the patch that they show, so perspective needs no
     interpolation.
 
     Args:
@@ -136,7 +136,7 @@ def patch_means(photo: Photograph, marks: FloatArray, size: Patches) -> tuple[Fl
     pixel = (np.stack([column.ravel(), row.ravel()], axis=1) + 0.5) * factor + begin
     inverse = np.linalg.inv(square_to(marks))
     place = projected(inverse, pixel) * span + MARKS[0]
-    # How much of the wedge a pixel shows goes with the third power of its distance's inverse.
+    # The area of the wedge that a pixel shows goes with the inverse cube of the homography's denominator.
     depth = np.abs(inverse[2, 0] * pixel[:, 0] + inverse[2, 1] * pixel[:, 1] + inverse[2, 2])
     area = (depth.min() / depth) ** 3
     on_grid = ((place >= 0) & (place < (COLUMNS, ROWS))).all(axis=1)
@@ -162,14 +162,14 @@ def _check_exposure(is_full: BoolArray, number: IntArray) -> None:
 def _pieces(
     off: FloatArray, pixel_mm: float, light: FloatArray, area: FloatArray, number: IntArray, size: Patches
 ) -> FloatArray:
-    """(P, 45) mean of each piece of each patch: a period high, half of what is read wide, faded to both sides."""
+    """(P, 45) mean of P pieces of each patch: a period high, half of the read width wide, weighted by a triangle."""
     means = []
     half = size.read_width / 2
     for across in (-half / 2, half / 2):
         fade = np.clip(1.0 - np.abs(off[:, 0] - across) / half, 0.0, None)
         for period in range(size.read_periods):
             low = (period - size.read_periods / 2) * size.period
-            # The share of a pixel that lies in the piece, for whole periods to be whole to a fraction of a pixel.
+            # The share of a pixel that lies in the piece, so that periods are exact to a fraction of a pixel.
             inside = np.minimum(off[:, 1] + pixel_mm / 2, low + size.period) - np.maximum(off[:, 1] - pixel_mm / 2, low)
             weight = fade * area * np.clip(inside, 0.0, None)
             total = np.bincount(number, weight, minlength=ROWS * COLUMNS)
@@ -190,10 +190,10 @@ def _without_outliers(pieces: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _evened(light: FloatArray, error: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """(5, 9) between the black and the white that would be seen there, its error, and how far references are off.
+    """(5, 9) light between local black (0) and white (1), its standard error, and how far reference patches are off.
 
-    The logarithms of the white patches' light and of the black ones' are each fitted by a polynomial of the second
-    degree over the wedge: fall-off, veiling light and what changes with the direction of view are all in them.
+    Second-degree polynomials over the wedge are fitted to the logarithms of the light of the white patches and of the
+    black ones: they contain fall-off, veiling light and the influence of the viewing direction.
 
     Raises:
         CalibrationError: white and black look alike.

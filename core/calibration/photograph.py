@@ -1,4 +1,4 @@
-"""A photograph as light: decoded from sRGB, and reduced where it is finer than it needs to be."""
+"""A photograph as linear light: decoded from sRGB, and reduced where it is finer than needed."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _HINT = "save it as JPEG or PNG"
 
 @dataclass(frozen=True)
 class Photograph:
-    """What a camera has seen.
+    """A photograph in linear light.
 
     Attributes:
         light: (H, W) linear luminance, row 0 at the top.
-        is_full: (H, W) where a colour is as bright as the file can tell.
+        is_full: (H, W) where a colour channel is at the file's maximum.
     """
 
     light: Float32Array
@@ -39,7 +39,7 @@ class Photograph:
         return Photograph(light, self.is_full[cut].reshape(blocks).any(axis=(1, 3)))
 
     def cropped(self, corners: FloatArray, margin: float) -> tuple[Photograph, FloatArray]:
-        """The part about corners (4, 2), and (2,) where it begins."""
+        """The part around corners (4, 2), and (2,) the pixel at which it begins."""
         low = np.maximum(np.floor(corners.min(axis=0) - margin), 0).astype(int)
         high = np.ceil(corners.max(axis=0) + margin).astype(int)
         part = slice(low[1], high[1]), slice(low[0], high[0])
@@ -50,12 +50,12 @@ def read_photograph(path: Path, as_stored: bool = False) -> Photograph:
     """A photograph in a file.
 
     Args:
-        path: of a file of 8 bits a colour.
-        as_stored: as Blender shows it; otherwise turned as its camera says, as programs for photographs show it.
+        path: of a file with 8 bits per colour.
+        as_stored: as Blender shows it; otherwise turned by its EXIF orientation, as photo programs show it.
 
     Raises:
-        CalibrationError: it is missing, or no picture of 8 bits a colour.
-        TextureError: it is of absurd size.
+        CalibrationError: it is missing, or not a picture of 8 bits per colour.
+        TextureError: it is too large.
     """
     from PIL import Image, ImageOps
 
@@ -65,7 +65,7 @@ def read_photograph(path: Path, as_stored: bool = False) -> Photograph:
             warnings.simplefilter("ignore")
             with Image.open(path) as image:
                 if image.mode.startswith(("I", "F")):
-                    raise CalibrationError(f"{path} has more than 8 bits a colour", _HINT)
+                    raise CalibrationError(f"{path} has more than 8 bits per colour", _HINT)
                 shown = image if as_stored else ImageOps.exif_transpose(image)
                 values = np.asarray(shown.convert("RGB"))
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as problem:

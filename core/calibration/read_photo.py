@@ -17,12 +17,12 @@ from .table import ToneTable, read_table
 
 @dataclass(frozen=True)
 class PhotoTable:
-    """What a calibration photograph gives.
+    """The tone table read from a calibration photograph.
 
     Attributes:
         table: of the printer and its filaments.
         marks: (4, 2) pixels of the corner marks, x to the right and y down, clockwise from the tile's upper left.
-        notes: what is to be said about the photograph, one sentence each.
+        notes: about the photograph, one sentence each.
     """
 
     table: ToneTable
@@ -45,12 +45,12 @@ def table_of_photo(
         settings: that the tile was printed with.
         corners: (4, 2) pixels near the crossings of the corner marks, clockwise; None to look for them.
         ends: reflectance of the printed black and white, linear; None to take the simulation's.
-        simulated: a table made by `measure` for these settings; None for the one that comes with the program.
+        simulated: a table made by `measure` for these settings; None for the one of the program.
         as_stored: see `read_photograph`.
 
     Raises:
         CalibrationError: the photograph cannot be read, shows no tile, or shows it badly.
-        TextureError: it is of absurd size.
+        TextureError: it is too large.
     """
     base = shipped_table(settings) if simulated is None else read_table(simulated)
     if base is None:

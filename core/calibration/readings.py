@@ -1,4 +1,4 @@
-"""From pictures of a tile to one number a tone: local averages over whole periods of the pattern (paper, 6.1)."""
+"""From pictures of a tile to one number per tone: local averages over whole periods of the pattern (paper, 6.1)."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from ..model import Float32Array, FloatArray
 def read_tones(
     first: Float32Array, second: Float32Array, mm_per_pixel: float, place: FloatArray, window: float
 ) -> tuple[FloatArray, FloatArray]:
-    """What each tone reads, and how sure that is.
+    """The reflectance read for each tone, and its standard error.
 
-    All rows count alike: the picture is whole periods high. Along the layers a triangle of weights as wide as the
-    window, two periods or more, takes out the pattern's own wavelength and shorter ones.
+    All rows count the same, as the picture is whole periods high. Along the layers triangular weights as wide as the
+    window, two periods or more, remove the pattern's own wavelength and shorter ones.
 
     Args:
         first: (H, W) linear, foreshortening undone; NaN where there is nothing.

@@ -1,8 +1,8 @@
 """The step wedge to print and photograph: patches of all tones among white and black ones, marks in the corners.
 
-Its grid has five rows of nine patches. Those around the edge, and two inside, are black and white in turn: they tell
-how the light falls. The others are the steps from dark to light, row by row from the top. Each corner bears a mark of
-two by two squares, whose crossing is where the photograph is taken hold of.
+Its grid has five rows of nine patches. Those along the edge are black and white in turn, and two inside are black: they
+show how the light falls. The others are the steps from dark to light, row by row from the top. Each corner has a mark
+of two by two squares, by whose crossing the photograph is registered.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ MARKS = np.array([(0.5, 0.5), (COLUMNS - 0.5, 0.5), (COLUMNS - 0.5, ROWS - 0.5),
 """(4, 2) crossings of the marks, in patches right of and below the grid's upper left corner; clockwise from there."""
 BRIM_MM = 5.0  # a plate that stands upright needs a foot
 
-_WAVES, _PERIODS = 6, 6  # that a patch is wide, and high
-_MARGIN_WAVES, _MARGIN_PERIODS = 1, 1  # of it that are not read, on each side: there it goes over into the next one
+_WAVES, _PERIODS = 6, 6  # width of a patch in waves, height in periods
+_MARGIN_WAVES, _MARGIN_PERIODS = 1, 1  # on each side that are not read, since neighbours blend there
 _FRAME_MM, _FRAME_TONE, _THICKNESS_MM = 3.0, 0.5, 4.0
 
 
 @dataclass(frozen=True)
 class Patches:
-    """Size of the patches, mm. What is read of each keeps off its edges and is whole periods of the pattern high.
+    """Size of the patches, mm. The part that is read keeps off the edges and is whole periods of the pattern high.
 
     Attributes:
         width: of a patch.
@@ -61,7 +61,7 @@ def patch_tones() -> FloatArray:
     row, column = np.indices((ROWS, COLUMNS))
     tone = ((row + column) % 2).astype(np.float64)
     inside = (row > 0) & (row < ROWS - 1) & (column > 0) & (column < COLUMNS - 1)
-    inside[ROWS // 2, [3, 5]] = False  # black, to know the light in the middle too
+    inside[ROWS // 2, [3, 5]] = False  # black, so that the light is known in the middle too
     tone[ROWS // 2, [3, 5]] = 0.0
     tone[inside] = np.linspace(0.0, 1.0, STEPS)[1:-1]
     tone[[0, 0, -1, -1], [0, -1, 0, -1]] = np.nan
@@ -82,7 +82,7 @@ def references() -> tuple[BoolArray, BoolArray]:
 
 
 def wedge_plate(settings: PrintSettings) -> tuple[PictureShape, ToneImage]:
-    """The upright plate that bears the wedge in front, and its picture.
+    """The upright plate with the wedge on its front, and its picture.
 
     Args:
         settings: layer heights and wavelength are used.
@@ -99,7 +99,7 @@ def wedge_plate(settings: PrintSettings) -> tuple[PictureShape, ToneImage]:
 
 
 def wedge_settings(settings: PrintSettings) -> PrintSettings:
-    """Those that the wedge is printed with: each step's own modulation, whatever it will look like."""
+    """The settings that the wedge is printed with: each step is modulated by its own tone, without calibration."""
     return settings.changed(
         {"calibration": "none", "solid_regions": "none", "texture_filter": "lanczos",
          "brim_width": max(settings.brim_width, BRIM_MM)}

@@ -21,7 +21,7 @@ BLOCKS = ("face", "phi", "theta")
 _STEP_DEG, _FARTHEST_DEG = 10, 80
 _MOST_BYTES = 1 << 24  # readings take some kB
 
-# What numpy and zipfile raise when an archive is no archive, is broken, or claims to hold more than there is memory.
+# Raised by numpy and zipfile for files that are not archives, are broken, or claim to be larger than the memory.
 _DAMAGES = (
     *(OSError, EOFError, KeyError, ValueError, TypeError, AttributeError, NotImplementedError, RuntimeError),
     *(MemoryError, RecursionError, SyntaxError, zipfile.BadZipFile, zlib.error),
@@ -39,7 +39,7 @@ class Sweep:
         tone: (T,) that the tile's picture has.
         reflectance: (T, A) linear, what is seen.
         noise: (T, A) standard error of it.
-        about: what they hold for.
+        about: what they are valid for.
     """
 
     slant_deg: float
@@ -65,7 +65,7 @@ def angles_of(block: str) -> list[tuple[float, float]]:
 
 
 def sweep_path(folder: Path, slant_deg: float, block: str) -> Path:
-    """Where the readings of a job lie."""
+    """The file of a job's readings."""
     return folder / f"slant_{slant_deg:g}_{block}.npz"
 
 

@@ -1,4 +1,4 @@
-"""The tone table: what each tone looks like on each slope, and the way back (paper, section 6.2)."""
+"""The tone table: what each tone looks like on each slope, and the inverse (paper, section 6.2)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class ToneTable:
         slant_deg: (S,) ascending, 0 upright.
         reflectance: (S, T) linear, not descending along a row.
         noise: (S, T) standard error of the readings.
-        about: what it holds for.
+        about: what it is valid for.
     """
 
     tone: FloatArray
@@ -41,12 +41,12 @@ class ToneTable:
 
     @property
     def upright(self) -> ToneTable:
-        """The least slope alone, for all of them."""
+        """A table of the least slope alone, to be used for all slopes."""
         return ToneTable(self.tone, self.slant_deg[:1], self.reflectance[:1], self.noise[:1], self.about)
 
     def printed(self, target: FloatArray) -> FloatArray:
         """(S, K) the tone to print for reflectances (S, K) on each slope; the nearest one where it is out of reach."""
-        # A rise too small to matter makes every step of an even stretch the one way back.
+        # A tiny rise makes flat stretches invertible.
         rise = np.arange(len(self.tone)) * 1e-9
         rows = zip(target, self.reflectance + rise, strict=True)
         return np.stack([np.interp(wanted, row, self.tone) for wanted, row in rows])
@@ -58,14 +58,14 @@ class ToneTable:
 
 
 def slope_shares(known_deg: FloatArray, wanted_deg: FloatArray) -> FloatArray:
-    """(W, S) share that each of S known slopes has in W wanted ones, interpolated; beyond them the outermost alone."""
+    """(W, S) weights of S known slopes for W wanted ones, by linear interpolation, constant beyond the outermost."""
     number = np.arange(len(known_deg))
     at = np.interp(wanted_deg, known_deg, number)
     return np.asarray(np.clip(1.0 - np.abs(at[:, None] - number), 0.0, 1.0))
 
 
 def table_of(sweeps: Sequence[Sweep]) -> ToneTable:
-    """The table that the face-on readings of some tiles make, one of each slope.
+    """The table from the face-on readings of some tiles, one per slope.
 
     Args:
         sweeps: of one kind of print. Where a slope was read several times, the surest reading counts.
@@ -81,7 +81,7 @@ def table_of(sweeps: Sequence[Sweep]) -> ToneTable:
 
 
 def isotonic(values: FloatArray) -> FloatArray:
-    """The ascending values nearest to these in the least-squares sense, by pooling what descends."""
+    """The ascending values nearest to these by least squares: isotonic regression by pooling adjacent violators."""
     means: list[float] = []
     counts: list[int] = []
     for value in values.tolist():
@@ -108,7 +108,7 @@ def write_table(path: Path, table: ToneTable) -> None:
 
 
 def _text(value: Any) -> str:
-    """JSON with a row of a matrix a line."""
+    """JSON with one row of a matrix per line."""
     if isinstance(value, list) and value and isinstance(value[0], list):
         return "[\n    " + ",\n    ".join(json.dumps(row) for row in value) + "\n  ]"
     return json.dumps(value)

@@ -13,16 +13,16 @@ from ..records import dataclass
 
 DEPTH_MM = 4.0
 
-_EDGE_MM = 5.0  # between the tones and the tile's edges, which are lit and printed otherwise
-_LEAST_MEASURED_MM = 4.0
+_EDGE_MM = 5.0  # between the tones and the tile's edges, which are lit and printed differently
+_LEAST_MEASURED_MM = 4.0  # height up the face
 _TEXEL_MM = 0.1
-_GRADIENT_MM = 60.0
-_STEP_MM = 6.0
+_GRADIENT_MM = 60.0  # length of the gradient
+_STEP_MM = 6.0  # width of a patch
 
 
 @dataclass(frozen=True)
 class Tile:
-    """A tile to print and where its tones are.
+    """A tile to print, and the places of its tones.
 
     The tile stands at the origin, its front to -Y. Positions in the face are mm from the face's middle, to the right.
 
@@ -105,7 +105,7 @@ def _tile(
     place: FloatArray,
     tone: FloatArray,
 ) -> Tile:
-    """A tile whose picture shows the tone `at` each place in its face, read as far as `half` to both sides."""
+    """A tile whose picture shows the tone `at(x)`, mm from the middle of its face, measured within `half` mm of it."""
     slant = math.radians(slant_deg)
     period = PERIOD_LAYERS * layer_height / math.cos(slant)
     periods = max(2, math.ceil(_LEAST_MEASURED_MM / period))

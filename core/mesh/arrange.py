@@ -11,16 +11,16 @@ from ..errors import MeshError
 from ..model import FloatArray, Shapes
 from ..settings import PrintSettings
 
-_GRID_MM = 2.0
-_CHUNK = 500  # places looked at in one go
-_LEAST_MARGIN_MM = 0.1
+_GRID_MM = 2.0  # step of the places that are tried
+_CHUNK = 500  # places tested at once
+_LEAST_MARGIN_MM = 0.1  # around each object
 
 
 def arranged(points: Sequence[FloatArray], names: Sequence[str], settings: PrintSettings) -> FloatArray:
     """(O, 3) mm by which to move each object so that all stand on the bed, close together, clear of each other.
 
-    The largest comes first; each other one takes the free place nearest to it. Where not all find room like that, they
-    are put in rows.
+    The largest object comes first, and each other one takes the free place nearest to it. If that leaves one without
+    room, all are put in rows.
 
     Args:
         points: (V, 3) mm of each object.
@@ -91,7 +91,7 @@ def _first_free(
 
 
 def _around(settings: PrintSettings) -> float:
-    """What each object has around it, mm: half its wave, and the widest of brim, raft and shield."""
+    """Width around each object, mm: half its wave, a margin, and the widest of brim, raft and shield."""
     shield = settings.ooze_shield_distance + settings.extrusion_width if settings.ooze_shield else 0.0
     raft = settings.raft_margin if settings.raft_layers else 0.0
     return settings.wave_depth_max / 2 + _LEAST_MARGIN_MM + max(settings.brim_width, raft, shield)

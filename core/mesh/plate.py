@@ -1,4 +1,4 @@
-"""Several objects on one plate: put side by side, printed together, said apart in messages."""
+"""Several objects on one plate: arranged side by side, printed together, named one by one in messages."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _ROUNDING_MM = 1e-3
 def plate(models: Sequence[SurfaceModel], settings: PrintSettings) -> SurfaceModel:
     """One model of several, each with its own pictures, colours and UVs; a single one is returned as it is.
 
-    The objects keep their places, or with `arrange` they are put side by side, each on the bed. The whole is placed
-    on the bed by `mesh.triangulate`.
+    The objects keep their places, or with `arrange` they are put side by side, each on the bed. `triangulate` then
+    places the whole on the bed.
 
     Args:
         models: the first gives the plate its name.
@@ -42,7 +42,7 @@ def plate(models: Sequence[SurfaceModel], settings: PrintSettings) -> SurfaceMod
 
 
 def _joined(models: Sequence[SurfaceModel]) -> SurfaceModel:
-    """All polygons in one table; what only some of the models have is left open for the others."""
+    """All polygons in one table; columns that only some of the models have get a missing value for the others."""
     vertex = starts(np.array([len(model.vertices) for model in models]))
     corner = starts(np.array([len(model.corner_vertex) for model in models]))
     textures: list[ToneImage] = []
@@ -88,9 +88,9 @@ def _polygon_column(models: Sequence[SurfaceModel], parts: Sequence[IntArray | N
 
 
 def _renumbered(model: SurfaceModel, textures: list[ToneImage]) -> IntArray:
-    """(T + 1,) index of each of the model's textures in the common list, which they are added to unless they are there.
+    """(T + 1,) index of each of the model's textures in the common list, to which new ones are added.
 
-    The last entry is that of none, -1.
+    The last entry, -1, stands for no texture.
     """
     number = np.full(len(model.textures) + 1, -1, dtype=np.int64)
     for index, image in enumerate(model.textures):
@@ -122,7 +122,7 @@ def object_rows(model: SurfaceModel, mesh: TriangleMesh) -> list[dict[str, Any]]
 def plate_warnings(
     model: SurfaceModel, mesh: TriangleMesh, overlapping: IntArray, settings: PrintSettings
 ) -> list[str]:
-    """What is odd about the objects of a plate, one sentence each."""
+    """Warnings about the objects of a plate, one sentence each."""
     names, found = model.names, []
     for one, other, layers in overlapping.tolist():
         found.append(

@@ -1,4 +1,4 @@
-"""Polygons into triangles: triangles pass, quads are cut by their better diagonal, larger ones by GEOS."""
+"""Polygons into triangles: quads are cut along the better diagonal, larger polygons by GEOS."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def triangle_corners(
 def _quads(
     vertices: FloatArray, polygon_start: IntArray, corner_vertex: IntArray, polygons: IntArray
 ) -> tuple[IntArray, IntArray]:
-    """Two triangles a quad: by the diagonal that flips neither half, the shorter one where both or neither do."""
+    """Two triangles per quad: along the diagonal that flips neither half, or the shorter one if both or neither do."""
     corners = polygon_start[polygons, None] + np.arange(4)
     a, b, c, d = vertices[corner_vertex[corners]].transpose(1, 0, 2)
     fits_ac = _dot(np.cross(b - a, c - a), np.cross(c - a, d - a)) > 0
@@ -92,7 +92,7 @@ def _delaunay(flat: FloatArray, row: IntArray, corner: IntArray) -> tuple[IntArr
     simple = shapely.is_valid(shapes)
     parts = np.full(len(shapes), None, dtype=object)
     parts[simple] = shapely.constrained_delaunay_triangles(shapes[simple])
-    for index in np.flatnonzero(~simple):  # a ring that touches itself, around a hole, still comes out right
+    for index in np.flatnonzero(~simple):  # rings that touch themselves around a hole are still triangulated correctly
         try:
             parts[index] = shapely.constrained_delaunay_triangles(shapes[index])
         except shapely.GEOSException:
@@ -106,7 +106,7 @@ def _delaunay(flat: FloatArray, row: IntArray, corner: IntArray) -> tuple[IntArr
 
 
 def _corner_at(flat: FloatArray, row: IntArray, corner: IntArray, places: FloatArray, owner: IntArray) -> IntArray:
-    """The corner of polygon `owner` at each place, -1 where there is none: GEOS hands back coordinates, no indices."""
+    """The corner of polygon `owner` at each place, -1 for none: GEOS returns coordinates instead of indices."""
     asked = len(places)
     keys = [np.concatenate([owner, row]), np.concatenate([places[:, 0], flat[:, 0]])]
     keys.append(np.concatenate([places[:, 1], flat[:, 1]]))

@@ -15,9 +15,9 @@ from ..settings import PrintSettings
 from .polygons import triangle_corners
 
 WELD_SHARE = 3e-7
-"""Vertices nearer than this share of the object's size are one: a few times the resolution of float32."""
+"""Vertices nearer than this share of the object's size are merged: a few times the resolution of float32."""
 
-_OBLIQUE = np.array([1.0, 0.6180339887, 0.3819660113])
+_OBLIQUE = np.array([1.0, 0.6180339887, 0.3819660113])  # hardly any two vertices lie at the same place along it
 _FAR_AWAY_MM = 1e7  # beyond this, neighbouring vertices could no longer be told apart
 _REACH_TOLERANCE_MM = 1e-3
 _USUAL_MM = 5.0  # an object is rarely shorter than this
@@ -74,11 +74,11 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
 
 @dataclass(frozen=True)
 class _Triangles:
-    """What triangles are made of.
+    """Which corners and polygons triangles come from.
 
     Attributes:
-        corners: (T', 3) corners of each, None for all corners in turn.
-        polygon: (T',) the polygon that it is part of, None for all polygons in turn.
+        corners: (T', 3) corners of each, None if they are all corners in turn.
+        polygon: (T',) the polygon that it is part of, None if they are all polygons in turn.
         kept: (T,) those with an area, None for all.
     """
 
@@ -153,7 +153,7 @@ def _check_coordinates(vertices: FloatArray, name: str) -> None:
 
 
 def placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
-    """Vertices (V, 3), moved onto the middle of the bed if so wished."""
+    """Vertices (V, 3), with `center_on_bed` moved onto the middle of the bed."""
     if not center_on_bed:
         return vertices
     low, high = bounds(vertices)
@@ -165,7 +165,7 @@ def placed(vertices: FloatArray, center_on_bed: bool) -> FloatArray:
 
 
 def check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None:
-    """Refuse what the printer cannot reach or what is too small to be meant."""
+    """Refuse objects beyond the printer's reach, or so small that their unit must be wrong."""
     low, high = bounds(vertices)
     size = high - low
     sizes = f"{' × '.join(_length(side) for side in size)} mm"
@@ -187,14 +187,14 @@ def check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None
 
 
 def size_warnings(mesh: TriangleMesh, name: str, settings: PrintSettings) -> list[str]:
-    """A finding about an object that is printed although its unit was hardly meant."""
+    """A warning about an object that is printed although its unit is probably wrong."""
     if (hint := size_hint(mesh, settings)) is None:
         return []
     return [f"{name} is only {_length(float(np.ptp(mesh.bounds, axis=0).max()))} mm long; {hint}"]
 
 
 def size_hint(mesh: TriangleMesh, settings: PrintSettings) -> str | None:
-    """What to do about an object whose unit was hardly meant; None for one of a usual size."""
+    """What to do about an object whose unit is probably wrong; None for one of a usual size."""
     size, printer = np.ptp(mesh.bounds, axis=0), settings.printer_profile
     if size.max() >= _USUAL_MM:
         return None
@@ -202,7 +202,7 @@ def size_hint(mesh: TriangleMesh, settings: PrintSettings) -> str | None:
 
 
 def _unit_hint(size: FloatArray, room: FloatArray) -> str:
-    """What to do about a size (3,) in mm that cannot be meant: the units in which it would be a usual one."""
+    """What to do about a size (3,) in mm that is probably wrong: the unit in which it would be a usual one."""
     fitting = [
         f"{unit} it would be {_length(float(size.max()) * factor)} mm long, so scale it by {factor:g}"
         for unit, factor in _UNITS.items()
@@ -228,10 +228,10 @@ def _vertex_object(model: SurfaceModel, corner_vertex: IntArray, count: int) -> 
 def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArray, IntArray]:
     """Merge vertices that lie at the same place and have the same owner (V,), if there are any.
 
-    Sorted along an axis, vertices are cut into runs wherever two are farther apart than the tolerance, each run again
-    along the next axis; what is still in one run is one vertex. Unlike a rounded grid this leaves no pair astride the
-    border of a cell, and a run that grows long by chance is cut along another axis. Along the first, oblique axis
-    hardly any two distinct vertices lie side by side.
+    Sorted along an axis, vertices are cut into runs wherever two are farther apart than the tolerance, and each run
+    again along the next axis; vertices still in one run are merged. Unlike with a rounded grid, no pair is separated by
+    the border of a cell, and runs that are long by chance are cut along another axis. The first axis is oblique, so
+    that hardly any two distinct vertices share a place on it.
 
     Returns:
         (W, 3) distinct vertices, each at the place of the first one merged, and (V,) where each vertex went.
@@ -242,7 +242,7 @@ def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArra
     for column, reach in ((vertices @ _OBLIQUE, tolerance * _OBLIQUE.sum()), *((x, tolerance) for x in vertices.T)):
         order = np.argsort(column[near])
         if group.any():
-            # By group first: numbers that hold both are sorted in a third of the time of `lexsort`.
+            # By group first; sorting numbers that hold group and rank takes a third of the time of `lexsort`.
             bits = len(near).bit_length()
             order = order[np.sort((group[order] << bits) | np.arange(len(near))) & ((1 << bits) - 1)]
         near, group = near[order], group[order]
@@ -262,7 +262,7 @@ def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArra
 
 
 def _painting(model: SurfaceModel, triangles: _Triangles) -> tuple[FloatArray, IntArray]:
-    """UVs (T, 3, 2) and textures (T,) of triangles; where a UV is not finite or absurd there is no texture."""
+    """UVs (T, 3, 2) and textures (T,) of triangles; those with a UV that is not finite or huge get no texture."""
     texture = np.maximum(triangles.of_polygons(model.polygon_texture), -1)
     if model.corner_uv is None:
         return np.zeros((len(texture), 3, 2)), texture

@@ -27,13 +27,13 @@ class ChartOptions:
     """How a surface is cut into charts; names and defaults are xatlas's.
 
     Attributes:
-        max_cost: the higher, the fewer and the more bent charts.
+        max_cost: higher values give fewer and more strongly curved charts.
         max_iterations: how often charts are grown anew from better seeds.
-        normal_deviation_weight: weight of a face that looks elsewhere than its chart.
+        normal_deviation_weight: weight of faces whose normal differs from their chart's.
         roundness_weight: weight of charts that are not round.
         straightness_weight: weight of ragged borders.
         normal_seam_weight: weight of cutting where the surface is smooth.
-        texture_seam_weight: weight of cutting where the old UVs go on.
+        texture_seam_weight: weight of cutting where the old UVs are continuous.
     """
 
     max_cost: float = 2.0
@@ -65,7 +65,7 @@ class PackOptions:
 def unwrapping(
     vertices: Float32Array, faces: NDArray[np.int32], chart: ChartOptions, pack: PackOptions
 ) -> Generator[float, None, Float32Array]:
-    """Unwrap triangles; yields the share that is done by guess, returns (F, 3, 2) UVs of their corners, in 0 to 1.
+    """Unwrap triangles; yields an estimate of the share done, returns (F, 3, 2) UVs of their corners, in 0 to 1.
 
     Closing the generator stops the work.
 
@@ -109,7 +109,7 @@ def _library_folders() -> list[str]:
 
 
 def _waiting(process: subprocess.Popen[bytes], expected_s: float) -> Generator[float, None, None]:
-    """Until a process has ended; the share that is done comes ever nearer to 1 without getting there."""
+    """Wait for a process; yields an estimated share done that approaches 1."""
     begun = time.monotonic()
     while process.poll() is None:
         passed = time.monotonic() - begun

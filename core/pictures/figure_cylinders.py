@@ -1,4 +1,4 @@
-"""Cylinders that show what the pattern does: a gradient, and those of the paper's Figure 3."""
+"""Cylinders that show what the pattern can do: a gradient, and those of the paper's Figure 3."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..settings import PrintSettings
 from .shapes import PictureShape, picture_tube
 
 _PAPER = "paper"
-_BANDS = 9  # of the phase shifted cylinder: from no shift over half a wave in its middle back to none
+_BANDS = 9  # of the phase-shifted cylinder: from no shift to half a wave in the middle and back
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class FigureCylinder:
     Attributes:
         shape: the solid cylinder.
         picture: wrapped around it.
-        settings: that make it what it shows.
+        settings: of the print, with those that make the pattern shown.
     """
 
     shape: PictureShape
@@ -40,7 +40,7 @@ def figure_cylinder(kind: str, diameter: float, height: float, settings: PrintSe
         kind: its key.
         diameter: mm.
         height: mm, made whole layer pairs.
-        settings: that it is printed with, but for what makes it what it shows.
+        settings: of the print; those that make the pattern shown are replaced.
 
     Raises:
         MeshError: a length is not positive.
@@ -80,7 +80,7 @@ def _attenuated(settings: PrintSettings, _layers: int) -> _Made:
 
 
 def _as_in_the_paper(settings: PrintSettings, more: dict[str, int]) -> PrintSettings:
-    """The paper's waves, its tones as they are modulated."""
+    """The paper's waves, without calibration."""
     return settings.changed(preset_values([_PAPER]) | {"calibration": "none"} | more)
 
 

@@ -16,16 +16,16 @@ from ..settings import PrintSettings
 
 @dataclass(frozen=True)
 class PictureMatch:
-    """What a photograph of a picture's face tells.
+    """How well the photograph of a face matches its picture.
 
     Attributes:
-        correlation: of photograph and picture after both were averaged over the pattern's own period, a period and
-            more from the edges of the face: nearer to them the window also sees the shape's rounded, lighter edges.
-        face_correlation: the same up to the edges, where the window is cut.
-        texel_correlation: of the mean over each texel and that texel, all of them.
+        correlation: of photograph and picture, both averaged over the pattern's own period, at least a period away
+            from the edges of the face: nearer to them the window also covers the shape's rounded, lighter edges.
+        face_correlation: the same up to the edges, where the window is cropped.
+        texel_correlation: of the mean over each texel and that texel, for all texels.
         darkest: 1st percentile of the averaged photograph.
         brightest: 99th percentile of it.
-        contrast: the difference of both.
+        contrast: brightest less darkest.
         period_mm: width of a wave.
     """
 
@@ -61,7 +61,7 @@ def picture_match(
     window = in_pixels(period, mm_per_pixel)
     if any(size < 3 * part for size, part in zip(seen.shape, window, strict=True)):
         raise ValueError("the face is smaller than three periods of the pattern")
-    # What is not seen counts in neither.
+    # Pixels without a value are left out of both.
     smooth, target = averaged(seen, window), averaged(np.where(np.isfinite(seen), wanted, np.nan), window)
     rows, columns = (slice(size, -size) for size in window)
     inner, inner_target = smooth[rows, columns], target[rows, columns]
@@ -86,7 +86,7 @@ def pattern_period(outlines: WavedOutlines, settings: PrintSettings) -> tuple[fl
         settings: layer height and wavelength are used.
     """
     step = outlines.base[following(outlines.start)] - outlines.base
-    waves = int((outlines.phase > 1 - 1e-12).sum())  # every wave begins at a sample, with a crest before its sign
+    waves = int((outlines.phase > 1 - 1e-12).sum())  # every wave begins at a sample with phase 1
     length = float(np.hypot(step[:, 0], step[:, 1])[np.repeat(_waved(outlines), np.diff(outlines.start))].sum())
     return PERIOD_LAYERS * settings.layer_height, length / waves if waves else settings.wavelength
 
@@ -97,12 +97,12 @@ def _waved(outlines: WavedOutlines) -> BoolArray:
 
 
 def in_pixels(period: tuple[float, float], mm_per_pixel: float) -> tuple[int, int]:
-    """(rows, columns) of pixels that a length up and a length across come to."""
+    """(rows, columns) in pixels of a height and a width in mm, at least 1."""
     return max(round(period[0] / mm_per_pixel), 1), max(round(period[1] / mm_per_pixel), 1)
 
 
 def averaged(values: FloatArray, window: tuple[int, int]) -> FloatArray:
-    """Moving average over a window (rows, columns), NaN and what lies outside left out; NaN where nothing is."""
+    """Moving average over a window (rows, columns), without NaN and values outside; NaN where nothing is left."""
     known = np.isfinite(values)
     total, weight = (_box(np.where(known, part, 0.0), window) for part in (values, np.ones_like(values)))
     mean: FloatArray = np.divide(total, weight, out=np.full_like(total, np.nan), where=weight > 0.5)
@@ -121,7 +121,7 @@ def cell_means(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
 
 
 def enlarged(picture: Float32Array, shape: tuple[int, ...]) -> FloatArray:
-    """Each pixel of (H, W) has the value of the texel that its middle lies in."""
+    """(H, W) float64, each pixel with the value of the texel that its middle lies in."""
     row, column = (
         ((np.arange(size) + 0.5) * texels / size).astype(np.int64)
         for size, texels in zip(shape, picture.shape, strict=True)
@@ -140,7 +140,7 @@ def correlation(a: FloatArray, b: FloatArray) -> float:
 
 
 def _box(values: FloatArray, window: tuple[int, int]) -> FloatArray:
-    """Sums over a window about each value; outside there is nothing."""
+    """Sums over a window around each value; values outside count as 0."""
     for axis, size in enumerate(window):
         total = np.cumsum(np.insert(values, 0, 0.0, axis=axis), axis=axis)
         here, length = np.arange(values.shape[axis]), values.shape[axis]

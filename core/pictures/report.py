@@ -1,4 +1,4 @@
-"""What came out of pictures printed in several patterns, side by side: a sheet of pictures and a table."""
+"""Pictures printed in several patterns, side by side: a sheet of pictures and a table."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from .match import PictureMatch, averaged, enlarged, in_pixels
 _SHEET_MM_PER_PIXEL = 0.1
 _HEAD = """# Pictures on plates
 
-Each picture is cut to {size} mm and filtered by Lanczos to {texels} texels, one a pair of layers, {layers} layers in
+Each picture is cut to {size} mm and filtered by Lanczos to {texels} texels, one per pair of layers, {layers} layers in
 all.{tones} The plates are printed in each pattern (`wave` with the preset `paper`, `wave_offset` with
 `waves_set_back`, `offset` with `set_back`) with calibrated tones, predicted strand by strand, and photographed straight
 from the front in even white light. Photograph and picture are compared in linear light:
 
-- *r*: both averaged over the pattern's own period, a wave wide and {period:g} mm high, a period and more from the
+- *r*: both averaged over the pattern's own period, a wave wide and {period:g} mm high, at least a period from the
   edges;
-- *r to the edges*: the same all over the face. The edges of a plate are lighter than its middle, whatever the picture:
-  no strand beyond them takes light away;
+- *r to the edges*: the same all over the face. The edges of a plate are lighter than its middle, whatever the picture,
+  since no strand beyond them takes light away;
 - *r by texel*: the mean over each texel, with nothing left out;
-- *contrast*: reflectance at the 99th less that at the 1st percentile of the averaged photograph.
+- *contrast*: the 99th less the 1st percentile of the averaged photograph's reflectance.
 
-In the pictures the upper row is texture and prints, the lower row the same averaged over a period and stretched from
+In the pictures the upper row is texture and prints, the lower row the same, averaged over a period and stretched from
 black to white. Made by
 
     {command}

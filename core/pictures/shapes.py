@@ -1,4 +1,4 @@
-"""Shapes to show a picture on: an upright plate, a cylinder, a lamp shade, with a texel for every two layers."""
+"""Shapes to show a picture on: an upright plate, a cylinder, a lamp shade, with one texel per two layers."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from ..ragged import starts
 from ..records import dataclass
 from ..settings import PrintSettings
 
-_FACET_MM = 1.0  # sides of what is round
+_FACET_MM = 1.0  # length of the sides of round shapes
 _LEAST_FACETS = 48
-_PAINTED = 0.5  # alpha from which on a texel has a say in the contrast
+_PAINTED = 0.5  # least alpha of texels that count for automatic contrast
 _LEAST_CONTRAST = 0.02  # less is noise, not a picture
 
 
@@ -47,9 +47,9 @@ class PictureShape:
 
 @dataclass(frozen=True)
 class _Ladder:
-    """Heights between which the picture is not stretched: `z` (L,) mm from the bed up, and `v` (L,) there.
+    """Heights `z` (L,) mm, and the picture's `v` (L,) there; in between, v is linear in z.
 
-    The rows of texels are pairs of layers. If the first layer has another height, so has the first pair.
+    The rows of texels are pairs of layers. If the first layer has another height, so has the first row.
     """
 
     z: FloatArray
@@ -72,7 +72,7 @@ def picture_plate(
 ) -> PictureShape:
     """A plate that stands upright, its picture in front (-Y); width and height become whole texels, one at least.
 
-    A texel is two layers high and as wide (paper, Figure 1: 60 × 71 texels on 142 layers). Its rows lie exactly on
+    A texel is as wide as it is high, two layers (paper, Figure 1: 60 × 71 texels on 142 layers). Its rows coincide with
     pairs of a black and a white layer.
 
     Args:
@@ -95,7 +95,7 @@ def picture_plate(
     rings = np.concatenate(
         [np.tile(loop, (len(ladder.z), 1, 1)), np.broadcast_to(ladder.z[:, None, None], (len(ladder.z), 4, 1))], axis=2
     )
-    # Round the corners the sides go on with the edge of the picture, or it would fade there.
+    # The sides continue the picture's edges around the corners, where these would fade otherwise.
     u = np.array([[0.0, 1.0], [1.0, 1.0], [np.nan, np.nan], [0.0, 0.0]])
     wall, uv, pictured = _wall(rings, ladder.v, u)
     bottom, top = np.arange(4)[::-1], np.arange(4) + 4 * (len(ladder.z) - 1)
@@ -111,7 +111,7 @@ def picture_tube(
     settings: PrintSettings,
     wall: float | None = None,
 ) -> PictureShape:
-    """A cylinder or cone with a picture wrapped around it once; its middle is in front (-Y), its edges meet behind.
+    """A cylinder or cone with a picture wrapped around it once, its middle in front (-Y), its edges meeting behind.
 
     Args:
         bottom_diameter: mm.
@@ -156,12 +156,12 @@ def picture_tube(
 def fitted(image: ToneImage, shape: PictureShape, *, auto_contrast: bool = False, frame_tone: float = 1.0) -> ToneImage:
     """A picture cut to a shape's proportions about its middle, and filtered by Lanczos to its texels.
 
-    All is done in linear light, with the tone weighted by how far it covers.
+    Everything is done in linear light, with tones weighted by alpha.
 
     Args:
         image: of any size.
         shape: columns, rows and frame are used.
-        auto_contrast: stretch the tones so that the darkest and the brightest hundredth become black and white.
+        auto_contrast: stretch the tones so that the 1st and 99th percentile become black and white.
         frame_tone: of the frame.
     """
     columns, rows = shape.columns - 2 * shape.frame, shape.rows - 2 * shape.frame
@@ -182,7 +182,7 @@ def fitted(image: ToneImage, shape: PictureShape, *, auto_contrast: bool = False
 
 
 def surface_of(shape: PictureShape, picture: ToneImage, plain_tone: float, name: str) -> SurfaceModel:
-    """The shape with its picture as the job's input; the rest of it has one tone."""
+    """The shape with its picture as the job's input; the rest of the surface has one tone."""
     return SurfaceModel(
         vertices=shape.vertices,
         polygon_start=shape.polygon_start,
