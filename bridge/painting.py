@@ -9,9 +9,11 @@ import numpy as np
 
 from ..core.errors import TextureError
 from ..core.model import FloatArray
+from ..core.printer import printer_profile
 from ..core.texture.decode import linear_from_srgb, srgb_from_linear
 from ..core.texture.grade import Grade, graded
 from .base_colour import BaseColour, base_colour, chosen_colour, picture_layer
+from .bed import bounds_mm
 from .image_input import image_colours
 from .printed_materials import printed_materials
 from .units import mm_per_unit
@@ -101,7 +103,10 @@ def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bp
 
 
 def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
-    """Side of a square picture, a power of two, whose texels are no larger than `texel_mm` on the surface."""
+    """Side of a square picture, a power of two, whose texels are no larger than `texel_mm` on the surface.
+
+    What the printer has no room for is taken as large as it can be printed: the cube of a new scene is two metres wide.
+    """
     mesh = obj.data
     mesh.calc_loop_triangles()
     corner = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
@@ -118,7 +123,10 @@ def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
     surface = np.linalg.norm(np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]), axis=1).sum() / 2
     if not charted > 0:
         raise TextureError(f"the UV map of {obj.name} has no area", "unwrap the mesh again")
-    texels = math.sqrt(surface / charted) / texel_mm
+    printer = printer_profile(obj.dualcolor.printer)
+    size = np.ptp(bounds_mm([obj]), axis=0)
+    too_large = max(1.0, float((size / np.subtract(printer.reach_max, printer.reach_min)).max()))
+    texels = math.sqrt(surface / charted) / texel_mm / too_large
     return int(min(max(2 ** math.ceil(math.log2(max(texels, 1.0))), SMALLEST), LARGEST))
 
 

@@ -7,6 +7,7 @@ bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.painting import picture_of, picture_size  # noqa: E402
 from dualcolor.core.errors import TextureError  # noqa: E402
+from dualcolor.core.printer import printer_profile  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb, srgb_from_linear  # noqa: E402
 from dualcolor.core.texture.grade import Grade, graded  # noqa: E402
 from scene import add_box, add_material, add_uvs, flat_image  # noqa: E402
@@ -53,6 +54,19 @@ def test_picture_has_texels_no_larger_than_asked(registered):
     assert picture_size(box, 0.5) == 256  # 200 texels are needed
     assert picture_size(box, 0.125) == 1024  # 800 are needed
     assert picture_size(box, 0.19) == 1024  # 526, more than 512
+
+
+def test_a_picture_for_an_object_that_is_too_large_is_as_fine_as_its_print(registered):
+    """The cube of a new scene got one of 8192², and baking ambient occlusion into that took seven gigabytes."""
+    box = add_box((2000, 2000, 2000))
+    add_uvs(box)
+    printer = printer_profile(box.dualcolor.printer)
+    room = min(np.subtract(printer.reach_max, printer.reach_min))
+    assert 128 <= room < 160  # of which 0.25 mm are 512 to 640 texels
+    assert picture_size(box, 0.25) == 1024
+    box.scale = (0.5, 0.5, 0.5)
+    bpy.context.view_layer.update()
+    assert picture_size(box, 0.25) == 1024
 
 
 def test_painting_is_set_up_on_a_bare_mesh(registered):
