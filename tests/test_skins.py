@@ -100,7 +100,7 @@ def test_walls_that_meet_have_no_line_between_them():
     assert np.abs(shapely.get_y(shapely.centroid(lines_of(paths, Feature.SKIN)))).min() > 6
 
 
-@pytest.mark.parametrize("thickness", [0.6, 0.8, 1.1])
+@pytest.mark.parametrize("thickness", [0.6, 0.8, 1.1, 1.2, 1.3, 1.4])
 def test_a_thin_wall_takes_as_much_plastic_as_it_has_room(thickness):
     model = lathe([[10 - thickness, 0], [10, 0], [10, 3], [10 - thickness, 3], [10 - thickness, 0]])
     flat = PrintSettings(background_tone=0.5, calibration="none", offset_max=0.0)

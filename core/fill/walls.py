@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import FloatArray, IntArray, Shapes
+from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..paths import Feature, Paths
 from ..ragged import starts
 from ..settings import PrintSettings
+from ..slicing.regions import gathered
 from .mitres import MITRE_LIMIT, Moved, moved
 
 _SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls by
+_NARROWEST = 0.7  # line widths between the lines on both sides of a neck
+_LEAST_NECK = 4.0  # line widths around it: sharp corners are no necks
+_FLAT = 0.05  # line widths, area by length: so thin a loop is its line printed twice
 
 
 def simplified(shapes: Shapes, tolerance_mm: float) -> Shapes:
@@ -73,7 +77,31 @@ def walls_and_fill(
     for _ in range(settings.perimeters):
         steps.append(moved(walls[-1], -width_mm))
         walls.append(_completed(steps[-1], walls[-1], -width_mm))
-    return walls, offset_outlines(simplified(walls[-1], _SIMPLIFY_MM), overlap * width_mm), steps
+    inside = simplified(walls[-1], _SIMPLIFY_MM)
+    filled = moved(inside, overlap * width_mm)
+    for number, onwards in enumerate([*steps[1:], filled][: len(steps)], start=1):
+        # Where edges have met on the way further in, or nothing was left to go on with.
+        necks = np.flatnonzero(~onwards.sound | (shapely.is_empty(onwards.shapes) & ~shapely.is_empty(walls[number])))
+        changed = necks[_open_necks(walls[number], necks, width_mm)]
+        steps[number - 1].sound[changed] = False
+    return walls, _completed(filled, inside, overlap * width_mm), steps
+
+
+def _open_necks(walls: Shapes, rows: IntArray, width_mm: FloatArray) -> BoolArray:
+    """(R,) whether some of the given walls (R,) of (I,) have been changed, in place.
+
+    Where both sides of a wall would be printed nearly on each other there is none: one line along the gap is as wide.
+    """
+    least = _NARROWEST / 2 * width_mm[rows]
+    wide = offset(offset(walls[rows], -least), least)
+    parts, owner = shapely.get_parts(shapely.difference(walls[rows], wide), return_index=True)
+    around, width = shapely.length(parts), width_mm[rows[owner]]
+    large = around > _LEAST_NECK * width
+    large |= (around > 2.0 * width) & (shapely.area(parts) < _FLAT * width * around)
+    changed = np.bincount(owner[large], minlength=len(rows)) > 0
+    necks = gathered(parts[large], owner[large], len(rows))[changed]
+    walls[rows[changed]] = shapely.difference(walls[rows[changed]], necks)
+    return changed
 
 
 def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
