@@ -1,4 +1,4 @@
-"""Values along closed loops: what comes next, what came before, and low-pass filters.
+"""Values along closed loops: differences to neighbours, and low-pass filters.
 
 Coordinates are rows here, (2, N): arithmetic on long rows is several times as fast as on N pairs.
 """
@@ -16,7 +16,7 @@ def rows(points: FloatArray) -> FloatArray:
 
 
 def steps(values: FloatArray, start: IntArray) -> FloatArray:
-    """(…, N) from each value to the next one of its loop; `start` (M + 1,) are offsets, no loop is empty."""
+    """(…, N) difference from each value to the next one of its loop; `start` (M + 1,) are offsets, no loop is empty."""
     step = np.empty_like(values)
     np.subtract(values[..., 1:], values[..., :-1], out=step[..., :-1])
     last = start[1:] - 1
@@ -25,7 +25,7 @@ def steps(values: FloatArray, start: IntArray) -> FloatArray:
 
 
 def around(values: FloatArray, start: IntArray) -> FloatArray:
-    """(…, N) from the value before each one of its loop to the one after it; no loop has less than two."""
+    """(…, N) difference from the value before each one to the one after it; every loop has two or more."""
     step, first, last = np.empty_like(values), start[:-1], start[1:] - 1
     np.subtract(values[..., 2:], values[..., :-2], out=step[..., 1:-1])
     step[..., first] = values[..., first + 1] - values[..., last]
@@ -59,7 +59,7 @@ def gaussian(sigma: float) -> FloatArray:
 
 
 def box(reach: int) -> FloatArray:
-    """Equal weights of a value and so many to both sides; they sum to 1."""
+    """(2 reach + 1,) equal weights of a value and `reach` neighbours on both sides; they sum to 1."""
     return np.full(2 * reach + 1, 1 / (2 * reach + 1))
 
 
@@ -74,7 +74,7 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
     if not values.size:
         return values
     reach, long = len(kernel) // 2, values.shape[-1]
-    # What lies this near to either end of a loop meets other loops instead of the loop's other end.
+    # Near the ends of a loop the plain convolution mixes in other loops; these values are computed again, cyclically.
     around = start[:-1, None] + np.arange(-2 * reach, 2 * reach) % np.diff(start)[:, None]
     ends, lag = around[:, reach : 3 * reach], np.subtract.outer(np.arange(4 * reach), np.arange(2 * reach))
     weight = np.where((lag >= 0) & (lag <= 2 * reach), kernel.take(lag, mode="clip"), 0.0)

@@ -7,32 +7,33 @@ import numpy as np
 from ..model import FloatArray, IntArray
 from .along_loops import cross, dot, filtered, previous, steps
 
-# Where the line would fold back by its inset, at tips sharper than the line, the inset is halved, at most so often.
+# At tips sharper than the line, where the inset line would fold back, the inset is halved, UNFOLDINGS times at most. A
+# step folds back if it keeps less than the share UNFOLDED of its length in its own direction.
 UNFOLDINGS, UNFOLDED = 5, 0.2
-# In a bend a line may be moved by this share of the way on which its points meet, and ends so far before, mm: a tip is
-# no thinner than twice this, or the polyline within the chord tolerance of it would cross itself.
+# In a bend a line may be moved by this share of the distance at which its rays meet, less a gap in mm: tips thinner
+# than twice the gap could cross themselves once the polyline is simplified within the chord tolerance.
 BEND_SHARE, TIP_GAP = 0.95, 0.08
-# So many points more are looked at around tips, where the inset ones lie closer together than elsewhere.
+# Points added to the search around tips, where inset points lie closer together than elsewhere.
 TIP_POINTS = 4
-# Of two rays that cross, both end before it where one comes to it after at least this share of the other's way.
+# Of two rays that cross, both end before the crossing if the shorter one has at least this share of the longer one.
 NEARER = 0.9
 
 
 def inset(
     points: FloatArray, normal: FloatArray, depth: FloatArray, start: IntArray, kernel: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray | float]:
-    """An outline moved inwards, by less where it would turn back on itself.
+    """An outline moved inwards, less far where it would fold back on itself.
 
     Args:
         points: (2, N) mm, of closed loops.
         normal: (2, N) unit vectors out of them.
         depth: (N,) mm.
         start: (M + 1,) offsets of the loops.
-        kernel: low-pass, by which what is less at a fold goes over into what is beside it.
+        kernel: low-pass that smooths the reduced depth at a fold into that of its neighbours.
 
     Returns:
-        (2, N) mm, from each to the next (2, N) mm, and 0 to 1, (N,) or one for all, how much room for a wave such a tip
-        leaves: none where the inset had to be halved.
+        (2, N) mm, the points; (2, N) mm, the step from each to the next; and 0 to 1, (N,) or one for all, the share of
+        room left for a wave: 0 where the inset had to be halved.
     """
     along = steps(points, start)
     least = UNFOLDED * dot(along, along)
@@ -60,18 +61,18 @@ def bend_room(
     start: IntArray,
     reach: float,
 ) -> FloatArray:
-    """How far points of lines may be moved before they meet others that are moved too, on the inside of a bend.
+    """How far points of lines may be moved, all at once, before they meet on the inside of a bend.
 
-    Each moves on a ray; of two rays that cross, the one on which the crossing is farther away ends before it.
+    Each moves along a ray; of two rays that cross, the one that is longer up to the crossing ends before it.
 
     Args:
         points: (2, N) mm, of closed loops.
-        square: (N,) mm², of how far it is from each to the next.
+        square: (N,) mm², squared length of the step from each to the next.
         normal: (2, N) unit vectors.
-        turning: (N,) mm, along the step, by which neighbours get farther apart that move a millimetre along them.
+        turning: (N,) mm, by which a step gets longer, times its length, per millimetre moved along the normals.
         way: 1 where points move along the normals, -1 against them.
         start: (M + 1,) offsets of the loops.
-        reach: mm, as far as anything is moved.
+        reach: mm, the farthest that a line is moved.
 
     Returns:
         (N,) mm, at most `reach`.
@@ -80,7 +81,7 @@ def bend_room(
     sharp = np.flatnonzero(turning * (-way * longest) > square)
     if not len(sharp):
         return room
-    # Points farther apart than twice the length of their rays are out of reach; around tips they lie closer together.
+    # Points farther apart than twice the length of their rays cannot meet; around tips they lie closer together.
     span = np.arange(int(np.ceil(2 * longest / np.sqrt(square.max()))) + TIP_POINTS)
     near = np.zeros(points.shape[1], dtype=bool)
     near[_along(sharp[:, None], -span, start)] = True

@@ -8,17 +8,17 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 
 PERIOD_LAYERS = 4
-"""After so many layers the pattern repeats: two colours, two phases."""
+"""Layers after which the pattern repeats: two colours times two phases."""
 
-_DEEPEST = 3.0  # mm, of the waves whose reach is worked out
+_DEEPEST = 3.0  # mm, deepest wave in the table of reaches
 
 
 def shape(tone: FloatArray, is_black: BoolArray, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
     """Wave depth and set-back for the tones of one or both colours.
 
-    At tone ½ both colours stand alike. Above it the black strands are attenuated, below it the white ones: their
-    wave gets shallower (`wave`), or their whole line steps back behind the surface (`offset`), or both, the line from
-    the attenuation `offset_onset` on.
+    At tone ½ both colours have the same shape. Above it the black strands are attenuated, below it the white ones:
+    their wave gets shallower (`wave`), or their whole line is set back behind the surface (`offset`), or both
+    (`wave_offset`), where the set-back begins at the attenuation `offset_onset`.
 
     Args:
         tone: (N,) 0 black to 1 white.
@@ -42,11 +42,11 @@ def shape(tone: FloatArray, is_black: BoolArray, settings: PrintSettings) -> tup
 def supported(
     depth: FloatArray, set_back: FloatArray, slant_deg: FloatArray, settings: PrintSettings
 ) -> tuple[FloatArray, FloatArray]:
-    """Less of both where a strand would stand out farther over the one below than `max_unsupported`.
+    """Reduce both where a strand would protrude over the one below by more than `max_unsupported`.
 
-    A set-back strand leaves the one above it standing out by as much, and so does a slope that overhangs, by its step
-    from layer to layer; it is the sum that counts. Waves of opposite phase stand out less than their depth, for the
-    strand below passes by on both sides (`wave_reach`).
+    The strand above a set-back one protrudes by the set-back, a strand on an overhanging slope by the step from layer
+    to layer; their sum counts. Waves of opposite phase protrude by less than their depth, since the strand below
+    passes by on both sides (`wave_reach`).
 
     Args:
         depth: (N,) mm, peak to peak.
@@ -56,7 +56,7 @@ def supported(
     """
     upright = settings.max_unsupported + settings.extrusion_width / 2
     if settings.pattern == "offset":
-        # Only what overhangs farther than this has too little room.
+        # Only steeper overhangs than this have too little room.
         enough = np.degrees(np.arctan((upright - set_back.max(initial=0.0)) / settings.layer_height))
         steep = np.flatnonzero(slant_deg < -enough)
         set_back = set_back.copy()
@@ -70,20 +70,20 @@ def supported(
 
 
 def _room(upright: float, slant_deg: FloatArray, settings: PrintSettings) -> FloatArray:
-    """(N,) mm, what slopes leave of how far strands may stand out of an upright wall."""
+    """(N,) mm that strands may protrude on slopes, where `upright` is allowed on an upright wall."""
     step = settings.layer_height * np.tan(np.radians(np.clip(-slant_deg, -89.0, 89.0)))
     return np.asarray(np.maximum(upright - step, 0.0))
 
 
 def wave_reach(depth: FloatArray, wavelength: float) -> FloatArray:
-    """How far the peak of a wave lies from the wave below it, of opposite phase and any smaller depth, at most.
+    """Greatest distance of a wave's peak from the wave below it, which has the opposite phase and any smaller depth.
 
     Args:
         depth: (D,) mm, peak to peak, ascending from 0.
         wavelength: mm.
 
     Returns:
-        (D,) mm, ascending; as much as the depth of a shallow wave, at most half the wavelength.
+        (D,) mm, ascending; the depth itself for shallow waves, at most half the wavelength.
     """
     peak = depth[:, None, None] / 2
     along = np.linspace(0.0, wavelength / 2, 61)
@@ -95,7 +95,7 @@ def wave_reach(depth: FloatArray, wavelength: float) -> FloatArray:
 def faded(
     depth: FloatArray, set_back: FloatArray, room_inside: FloatArray, room_outside: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Less of both where a wave would meet itself, the opposite wall or its neighbour.
+    """Reduce both where a wave would meet itself, the opposite wall or its neighbour.
 
     Args:
         depth: (N,) mm, peak to peak.
@@ -123,14 +123,14 @@ def layer_shift(layer: IntArray, settings: PrintSettings) -> FloatArray:
         settings: phase_shift_layers, above 0, mostly_white_below and mostly_black_above are used.
 
     Returns:
-        Radians: 0 for black layers, for white ones an eighth of a wave more in each band of so many layers.
+        Radians: 0 for black layers, for white ones another eighth of a wave in each band of `phase_shift_layers`.
     """
     eighths = layer // settings.phase_shift_layers % 8
     return np.where(layer_is_black(layer, settings), 0.0, eighths * (np.pi / 4))
 
 
 def layer_is_black(layer: IntArray, settings: PrintSettings) -> BoolArray:
-    """Whether each layer is printed with the black filament: the even ones are, or one or three of four.
+    """Whether each layer is printed with the black filament: even layers, or one or three out of four.
 
     Args:
         layer: numbers of layers, the object's own first one 0.

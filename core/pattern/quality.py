@@ -40,7 +40,7 @@ class SeamErrors:
 
         Args:
             samples: how many the pattern has.
-            visibility: (Q,) 0 to 1, how much a seam is seen at each probe; then `salient_seen` is the salient share
+            visibility: (Q,) 0 to 1, how visible a seam is at each probe; then `salient_seen` is the salient share
                 weighted by it, and `visibility` the mean weight.
         """
         kept = self.error[~self.discarded]
@@ -71,7 +71,7 @@ def phase_at(lines: Contours, samples: Samples, arc: FloatArray) -> FloatArray:
     has = np.diff(samples.start)[loop] > 0
     first, last = samples.start[loop], samples.start[loop + 1] - 1
     before = np.searchsorted(samples.arc, arc, side="right") - 1
-    # Ahead of a loop's first sample one is still in the span that its last sample opens.
+    # Before a loop's first sample, a place belongs to the span that starts at its last sample.
     wrapped = before < first
     before = np.where(wrapped, last, before)
     spacing = samples.spacing(lines)
@@ -84,8 +84,8 @@ def phase_at(lines: Contours, samples: Samples, arc: FloatArray) -> FloatArray:
 def seam_errors(lines: Contours, samples: Samples, projector: Projector) -> SeamErrors:
     """Probe all contours that carry the pattern and compare each place with the one above it.
 
-    Phase flips are left out of t, as in the paper. Probes below nothing, or below a contour without samples, count as
-    discarded.
+    Phase flips are left out of t, as in the paper. Probes with nothing above them, or only a contour without samples,
+    count as discarded.
     """
     if not len(samples.arc):
         return SeamErrors(np.zeros(0), np.zeros(0))

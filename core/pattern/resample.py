@@ -11,7 +11,7 @@ from ..slicing.outlines import Outlines
 from .along_loops import dot, rows, steps
 
 LEAST_POINTS = 8
-"""Of a loop."""
+"""Least number of points of a loop."""
 
 
 @dataclass(frozen=True)
@@ -20,9 +20,9 @@ class EvenPoints:
 
     Attributes:
         start: (M + 1,) offsets of the loops' new points.
-        held: (S + 1,) how many new points lie on the segments before.
-        begin: (S,) where each segment begins, in spacings, the loops one after the other.
-        share: (S,) of the segment that lies between one new point and the next.
+        held: (S + 1,) number of new points on all segments before.
+        begin: (S,) where each segment begins, in units of the spacing, counted on over all loops.
+        share: (S,) of the segment between one new point and the next.
         corner: (2, S) mm, where it begins.
         along: (2, S) mm, from there to its end.
     """
@@ -41,7 +41,7 @@ def even_points(outlines: Outlines, step: float, block: int) -> EvenPoints:
     Args:
         outlines: M loops.
         step: mm.
-        block: every loop gets a multiple of so many points.
+        block: the number of points of every loop is a multiple of this.
     """
     corner = rows(outlines.points)
     along = steps(corner, outlines.start)
@@ -53,7 +53,7 @@ def even_points(outlines: Outlines, step: float, block: int) -> EvenPoints:
     end = np.cumsum(length)
     before_loop = end[outlines.start[:-1]] - length[outlines.start[:-1]]
     end += np.repeat(start[:-1] - before_loop, outlines.count)
-    # So many points lie before each segment's end; rounding moves none to another loop.
+    # Number of points before each segment's end; rounding must not move one to another loop.
     held = np.minimum(np.ceil(end).astype(np.int64), np.repeat(start[1:], outlines.count))
     held[last] = start[1:]
     share = 1 / np.maximum(length, 1e-12)
@@ -63,15 +63,15 @@ def even_points(outlines: Outlines, step: float, block: int) -> EvenPoints:
 def resampled(
     outlines: Outlines, even: EvenPoints, first: int, last: int, face: IntArray, carried: FloatArray
 ) -> FloatArray:
-    """Of the loops `first` to the one before `last` the even points.
+    """The even points of the loops from `first` to before `last`.
 
     Args:
         outlines: all of them.
         even: from `even_points`.
         first: number of a loop.
         last: likewise.
-        face: (N,) takes the face of each.
-        carried: (3, N) takes the values that it carries.
+        face: (N,) output, the face of each.
+        carried: (3, N) output, the values that it carries.
 
     Returns:
         (2, N) mm.

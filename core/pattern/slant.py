@@ -9,12 +9,12 @@ from .contours import Contours
 
 
 def face_slant_deg(mesh: TriangleMesh) -> FloatArray:
-    """(F,) degrees that each face's normal points above the horizon: 0 upright, 90 a top, -90 an underside."""
+    """(F,) elevation of each face's normal, degrees: 0 for upright walls, 90 for tops, -90 for undersides."""
     return slant_deg_of(mesh.area_normals)
 
 
 def slant_deg_of(normal: FloatArray) -> FloatArray:
-    """(F,) degrees that normals (F, 3) of any length point above the horizon."""
+    """(F,) elevation of normals (F, 3) of any length, degrees."""
     x, y, z = normal.T
     return np.asarray(np.degrees(np.arctan2(z, np.sqrt(x * x + y * y))))
 

@@ -1,8 +1,8 @@
 """Solid colours: painted regions of pure black or white, printed in that filament alone (paper, section 7).
 
-In layers of the other colour the outline is either set back as far as the strand above can stand out over it, farther
-than for any tone (`set_back`), or left to the right tool (`tool_change`, see `toolpaths/tool_turns.py`). Both colours'
-waves end, so that the region's own strands meet in front of what is set back, or lie above one another.
+In layers of the other colour the outline is either set back farther than for any tone, as far as the strand above can
+protrude over it (`set_back`), or printed by the right tool (`tool_change`, see `toolpaths/tool_turns.py`). There are no
+waves in the regions, so that their own strands meet in front of the set-back ones, or lie above one another.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .sampling import Projector
 from .wave import average_along_wall
 
 _MIXED, _BLACK, _WHITE = 0, 1, 2
-_STEEPEST_DEG = 80.0
+_STEEPEST_DEG = 80.0  # the area of flatter places is counted as if they leaned by this
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def solid_regions(
 ) -> SolidRegions:
     """Find the connected regions of pure tone that are large enough.
 
-    Points are connected along their contour, and with the place of the next layer that they project onto.
+    Points are connected along their contour, and to the point of the next layer onto which they project.
 
     Args:
         lines: N contour points.
@@ -83,9 +83,9 @@ def with_solid_regions(
     settings: PrintSettings,
     swapped: BoolArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Wave depth and set-back without waves inside the regions, the other colour's line behind.
+    """Wave depth and set-back with no waves inside the regions and the other colour's line set back.
 
-    Towards the border of a region all goes over within half a wavelength, inside of it.
+    At the border of a region the transition takes half a wavelength, inside the region.
 
     Args:
         lines: N contour points.
@@ -93,8 +93,8 @@ def with_solid_regions(
         set_back: (N,) mm.
         slant_deg: (N,) of the surface.
         solid: the regions.
-        settings: solid_set_back and what limits a strand's overhang are used.
-        swapped: (N,) what is left to the other tool and so need not stay behind, or None.
+        settings: solid_set_back and the limits of overhangs are used.
+        swapped: (N,) bool, points that the other tool prints and that are not set back, or None.
     """
     inside = solid.region >= 0
     share = np.clip(2 * average_along_wall(inside.astype(np.float64), lines, settings.wavelength) - 1, 0.0, 1.0)
@@ -111,7 +111,7 @@ def with_solid_regions(
 def left_to_other_tool(lines: Contours, solid: SolidRegions, settings: PrintSettings) -> BoolArray:
     """(N,) bool, stretches of outline of the wrong colour in the regions, none of them shorter than a wavelength.
 
-    Shorter ones between longer ones that stay, and shorter gaps between longer ones that go, stay or go with these.
+    Shorter stretches, and shorter gaps between stretches, take the state of their longer neighbours.
 
     Args:
         lines: N contour points.
@@ -122,7 +122,7 @@ def left_to_other_tool(lines: Contours, solid: SolidRegions, settings: PrintSett
     for kind in (False, True):
         run = runs(swapped.astype(np.int64), lines.start)
         length = np.bincount(run, lines.step)
-        # What is a whole contour has no neighbours to go with.
+        # A whole contour has no neighbours.
         whole = length[run] > 0.999 * lines.length[lines.loop]
         short = (swapped == kind) & (length[run] < settings.wavelength) & ~whole
         swapped ^= short
@@ -145,9 +145,9 @@ def solid_report(
     settings: PrintSettings,
     swapped: BoolArray | None = None,
 ) -> dict[str, Any]:
-    """What the regions are and what they cost, JSON-ready.
+    """Number, area and cost of the regions, JSON-ready.
 
-    What leaving outline to the other tool costs is known only when all moves are: see `breakdown.swap_cost`.
+    The cost of tool changes within layers is known only with all moves: see `breakdown.swap_cost`.
 
     Args:
         lines: N contour points.
@@ -155,7 +155,7 @@ def solid_report(
         before: (N,) mm, depth of the waves without the regions.
         after: (N,) mm, with them.
         settings: as used.
-        swapped: (N,) what is left to the other tool, or None.
+        swapped: (N,) bool, points that the other tool prints, or None.
     """
     step = lines.step
     longer = step @ (_stretch(after, settings) - _stretch(before, settings))
@@ -173,7 +173,7 @@ def solid_report(
 
 
 def connected(count: int, first: IntArray, second: IntArray) -> IntArray:
-    """(count,) the least number that each of some things is connected with, by pairs (E,) and (E,)."""
+    """(count,) connected components: the least node that each node is connected with, by edges (E,) to (E,)."""
     label = np.arange(count)
     while True:
         least = np.minimum(label[first], label[second])
@@ -188,13 +188,13 @@ def connected(count: int, first: IntArray, second: IntArray) -> IntArray:
 
 
 def runs(kind: IntArray, start: IntArray) -> IntArray:
-    """(N,) number of the run of equal kinds around its contour that each point is in; what is mixed has one too."""
+    """(N,) number of the run of equal kinds along its contour that each point belongs to, mixed runs included."""
     begins = kind != kind[preceding(start)]
     loop = np.repeat(np.arange(len(start) - 1), np.diff(start))
     even = np.bincount(loop, begins, minlength=len(start) - 1) == 0
     begins[start[:-1][even]] = True
     run = np.cumsum(begins) - 1
-    # What comes before the first beginning of a contour goes on from its end.
+    # Points before the first beginning on a contour continue the run at its end.
     total = np.concatenate([[0], np.cumsum(begins)])
     wrapped = run < total[start[:-1]][loop]
     return np.where(wrapped, run[start[1:] - 1][loop], run)
@@ -215,7 +215,7 @@ def _links(
 
 
 def _stretch(depth: FloatArray, settings: PrintSettings) -> FloatArray:
-    """(N,) how much longer the path of a usual wave of that depth is than the outline."""
+    """(N,) ratio of the path of a wave of mean length and that depth to the outline."""
     if settings.pattern == "offset":
         return np.ones_like(depth)
     depths = np.linspace(0.0, 3.0, 61)

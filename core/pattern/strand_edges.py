@@ -1,4 +1,4 @@
-"""Room for the strands' width where lines step back: a calibrated tone ends where it ends in the picture."""
+"""Room for the strands' width where lines step back, so that a calibrated tone ends where it ends in the picture."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from ..settings import PrintSettings
 from .along_loops import steps
 from .contours import Contours
 
-_LEAST_STEP = 0.01  # mm from one point to the next; less makes no difference to be seen
+_LEAST_STEP = 0.01  # mm from one point to the next; less makes no visible difference
 
 
 def widened(lines: Contours, printed: FloatArray, set_back: FloatArray, settings: PrintSettings) -> FloatArray:
-    """Set-back that begins earlier, so that the strand's front and not only its middle is back where it should be.
+    """Set-back that begins earlier, so that the strand's front edge, not only its middle, is back where it should be.
 
-    A strand as wide as 2 r whose middle steps back with a slope m along the wall covers r·(√(1 + m²) − 1)/m more of
-    the wall than it should: the front of all that it sweeps is a curve at the distance r. As in milling, the middle
-    must go so that this front is the one wanted; between one point of the contour and the next that is a slope.
+    A strand of width 2 r whose middle steps back with a slope m along the wall covers r·(√(1 + m²) − 1)/m more of the
+    wall than it should, since its edge is a curve at the distance r. As with a milling cutter, the middle must go so
+    that this edge is the one wanted; between one contour point and the next the edge is a slope.
 
-    Only black lines do. Bars of light between them, read by the instrument, lack 0.2 mm without it, and have their
-    width with it. Where white lines step back, light that is lost between the black ones makes up for it by itself:
-    those bars have their width within 0.05 mm as they are.
+    This is done for black lines only. Without it, bars of light between them are 0.2 mm too narrow; with it they have
+    the right width. Where white lines step back, light lost between the black ones compensates: dark bars have the
+    right width within 0.05 mm as they are.
 
     Args:
         lines: N contour points.
         printed: (N,) tone that the pattern is modulated by.
         set_back: (N,) mm.
-        settings: pattern and calibration are used; without calibration, and where there are waves, nothing is done.
+        settings: pattern and calibration are used; without calibration, or with waves, nothing is changed.
 
     Returns:
-        (N,) mm, nowhere less, and nowhere more than the neighbours' or the room.
+        (N,) mm, nowhere less than before, and nowhere more than that of the neighbours or the room.
     """
     if settings.pattern != "offset" or settings.calibration == "none":
         return set_back
@@ -49,7 +49,7 @@ def widened(lines: Contours, printed: FloatArray, set_back: FloatArray, settings
 
 
 def _ahead(radius: FloatArray, step: FloatArray, length: FloatArray) -> FloatArray:
-    """(Q,) mm that lines must be farther back at some points to make room for their own width beside deeper ones.
+    """(Q,) mm by which lines must be farther back at points beside deeper ones, to make room for their own width.
 
     Args:
         radius: (Q,) mm, half of the line's width.

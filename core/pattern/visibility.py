@@ -1,8 +1,8 @@
-"""How much a seam would be seen at each place, for the sampling to keep seams where nobody looks, and for the report.
+"""How visible a seam would be at each place, for the sampling to avoid such places, and for the report.
 
-Three things may say so, and their answers are multiplied: the side of the object that is its `front`, a painted
-`seam_visibility`, and with `hide_seams` the picture and the shape: strands of one colour show no pattern that could be
-broken, and what lies in a crease is hardly seen.
+Three settings say so, and their values are multiplied: `front`, the front side of the object; `seam_visibility`, which
+is painted; and `hide_seams`, from the picture and the shape: strands of one colour show no pattern that could be
+broken, and creases are hardly visible.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from ..texture.lookup import tone_at
 from ..texture.pyramid import build_pyramids
 from .contours import OPEN_AIR, Contours
 
-# Of a seam so much is still seen where all is of one colour, and in the deepest crease.
+# Visibility of a seam where everything is of one colour, and in the deepest crease.
 HIDDEN = 0.2
 
 
 def uses_visibility(mesh: TriangleMesh, settings: PrintSettings) -> bool:
-    """Whether anything says where seams are seen, and there are waves that could have any."""
+    """Whether the visibility of seams is set, and the pattern has waves that could have seams."""
     painted = mesh.face_visibility is not None or mesh.face_visibility_texture is not None
     return settings.pattern != "offset" and (settings.front or settings.hide_seams or painted)
 
@@ -35,7 +35,7 @@ def seam_visibility(
     tone: FloatArray | None,
     settings: PrintSettings,
 ) -> FloatArray | None:
-    """(N,) 0 to 1, how much a seam is seen at each contour point; None where all are seen alike.
+    """(N,) 0 to 1, how visible a seam is at each contour point; None if all are equally visible.
 
     Args:
         lines: N contour points.
@@ -56,7 +56,7 @@ def seam_visibility(
 
 
 def front_visibility(normal: FloatArray, front_deg: float) -> FloatArray:
-    """(N,) how large each piece of wall looks from the front, against its size: 1 where it faces it, 0 where it cannot.
+    """(N,) apparent size of each piece of wall from the front: 1 where it faces the front, 0 where it is turned away.
 
     Args:
         normal: (N, 2) unit vectors.
@@ -67,20 +67,20 @@ def front_visibility(normal: FloatArray, front_deg: float) -> FloatArray:
 
 
 def tone_visibility(tone: FloatArray) -> FloatArray:
-    """(N,) how much a tone shows of the rarer colour's strands: all at mid-grey, little near black and white."""
+    """(N,) how visible the strands of the rarer colour are: fully at mid-grey, little near black and white."""
     return np.asarray(np.maximum(2 * np.minimum(tone, 1 - tone), HIDDEN))
 
 
 def crease_visibility(lines: Contours) -> FloatArray:
-    """(N,) less where the line has less room outwards: another wall is near, or the crease's own other side."""
-    # Squared: a right angle, whose deepest points have half of the room, hides two thirds of a seam.
+    """(N,) less where the line has less room outwards, since another wall or the other side of a crease is near."""
+    # Squared, so that a right-angled crease, whose deepest points have about half the room, hides most of a seam.
     return np.asarray(np.clip((lines.room_outside / OPEN_AIR) ** 2, HIDDEN, 1.0))
 
 
 def painted_visibility(
     lines: Contours, plane: FloatArray, mesh: TriangleMesh, textures: tuple[ToneImage, ...], settings: PrintSettings
 ) -> FloatArray:
-    """(N,) what is painted: from a picture where a face has one, else from the values at its corners, else 1."""
+    """(N,) painted visibility: from a picture where the face has one, else from its corner values, else 1."""
     own = np.ones(len(lines.arc))
     if mesh.face_visibility is not None:
         own = _between_corners(mesh, mesh.face_visibility, lines, plane)
@@ -92,7 +92,7 @@ def painted_visibility(
 
 
 def _between_corners(mesh: TriangleMesh, values: FloatArray, lines: Contours, plane: FloatArray) -> FloatArray:
-    """(N,) values (F, 3) at the corners of the faces, where the contours come nearest to them."""
+    """(N,) values (F, 3) at the corners of faces, interpolated at the points of the faces nearest to the contours."""
     height = plane[lines.layer[lines.loop]]
     a, b, c = mesh.vertices[mesh.faces[lines.face]].transpose(1, 0, 2)
     u, v, w = b - a, c - a, np.column_stack([lines.points, height]) - a
@@ -112,7 +112,7 @@ def at_arcs(visibility: FloatArray | None, lines: Contours, arc: FloatArray) -> 
 
 
 def visibility_warnings(mesh: TriangleMesh, settings: PrintSettings) -> list[str]:
-    """Says when it is told for nothing where seams are seen."""
+    """Warns where settings on the visibility of seams have no effect."""
     if settings.pattern == "offset" and (settings.front or settings.hide_seams or settings.seam_visibility):
         return [
             "the pattern offset has no waves and no seams to hide: front, seam_visibility and hide_seams do nothing"

@@ -18,9 +18,9 @@ from .contours import POINTS_PER_WAVELENGTH, Contours
 from .modulation import faded, layer_is_black, layer_shift, layer_sign, shape, supported
 from .sampling import Samples
 
-# The tolerance is shared between the even sampling of the sine and the removal of points that change nothing.
+# Share of the chord tolerance spent on sampling the sine evenly; the rest is for removing points that change nothing.
 SAMPLING_SHARE = 0.35
-# About so many chords are tessellated at a time: their arrays stay in the cache.
+# Chords tessellated at a time, about, so that their arrays stay in the cache.
 CHORDS_AT_ONCE = 25 << 10
 
 
@@ -40,7 +40,7 @@ class WavedOutlines:
         tone: (N,) 0 to 1.
         uv: (N, 2) texture coordinates.
         width: (N,) mm, line width.
-        swapped: (N,) bool, lines that leave these points are left to the other tool; None where none is.
+        swapped: (N,) bool, whether the other tool prints the line that leaves each point; None if it prints none.
     """
 
     base: FloatArray
@@ -59,7 +59,7 @@ class WavedOutlines:
 
 @dataclass(frozen=True)
 class Spans:
-    """The contours cut at their samples: one span a wave, a whole loop where there is none.
+    """The contours cut at their samples: one span per wave, or a whole loop without samples.
 
     Attributes:
         arc: (P,) mm, where each span begins.
@@ -90,7 +90,7 @@ def spans(lines: Contours, samples: Samples) -> Spans:
 def modulated(
     lines: Contours, tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings
 ) -> tuple[FloatArray, FloatArray]:
-    """Wave depth and set-back at every contour point, less where nothing would carry a strand or there is no room.
+    """Wave depth and set-back at every contour point, reduced where a strand would lack support or room.
 
     Args:
         lines: N contour points.
@@ -119,7 +119,7 @@ def waved(
     settings: PrintSettings,
     swapped: BoolArray | None = None,
 ) -> WavedOutlines:
-    """Swing every contour about itself: cos(2πu) between neighbouring samples, times half the depth, less the set-back.
+    """Displace every contour along its normal: cos(2πu) between samples times half the depth, less the set-back.
 
     Args:
         lines: M contours with N points.
@@ -128,14 +128,14 @@ def waved(
         depth: (N,) mm.
         set_back: (N,) mm.
         settings: the chord tolerance is used.
-        swapped: (N,) what the other tool prints, or None.
+        swapped: (N,) bool, points that the other tool prints, or None.
     """
     if not len(samples.arc):
         return _without_waves(lines, tone, depth, set_back, settings, swapped)
     pieces = spans(lines, samples)
     count = _points_of(pieces, lines, depth, settings)
     layer = lines.layer
-    # One row a contour point, so that all of it comes with one access to memory.
+    # One row per contour point, so that one access to memory fetches all of it.
     columns = [lines.points, lines.normal, depth, set_back, tone, lines.width]
     table = np.column_stack(columns if swapped is None else [*columns, swapped])
     tolerance = settings.chord_tolerance * (1 - SAMPLING_SHARE)
@@ -151,7 +151,7 @@ def waved(
         keep = chord_ends(rows(points), last - count[piece], count[piece], last, tolerance)
         if swapped is not None:
             keep[1:] |= (value[1:, 8] > 0.5) != (value[:-1, 8] > 0.5)
-        keep[last] = False  # the first point of what comes next
+        keep[last] = False  # it is the first point of the next span
         kept = np.flatnonzero(keep)
         nearest = np.where(weight[kept] < 0.5, before[kept], after[kept])
         uv = lines.uv_at(nearest)
@@ -165,7 +165,7 @@ def waved(
 def _outlines(
     lines: Contours, points: FloatArray, value: FloatArray, phase: FloatArray, loop: IntArray, uv: FloatArray
 ) -> WavedOutlines:
-    """Of K points: where, what `waved` holds of each in (K, 8) or (K, 9) columns, phase, contour and UVs."""
+    """Outlines from K points: (K, 2) mm, columns as in `waved` (K, 8 or 9), phase (K,), contour (K,), UVs (K, 2)."""
     return WavedOutlines(
         base=value[:, :2].copy(),
         points=points,
@@ -216,7 +216,7 @@ def _without_waves(
 def _swing(
     share: FloatArray, waves: BoolArray, layer: IntArray, settings: PrintSettings
 ) -> tuple[FloatArray, FloatArray]:
-    """(Q,) t of places a share of the way along their span, and how far they swing outwards on their layer, -1 to 1."""
+    """(Q,) t at a share (Q,) of the way along a span, and (Q,) the displacement on its layer, -1 to 1, outwards."""
     phase = np.where(waves, np.cos(2 * np.pi * share), 0.0)
     if not settings.phase_shift_layers:
         return phase, layer_sign(layer) * phase
@@ -226,7 +226,7 @@ def _swing(
 def _along(
     pieces: Spans, lines: Contours, piece: IntArray, count: IntArray
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray, FloatArray]:
-    """Evenly spaced places from the beginning to the end of spans: the span, the share of it, and where that lies."""
+    """Evenly spaced places along spans: the span of each, the share of the way along it, its `Contours.locate`."""
     row = np.repeat(piece, count + 1)
     step = ranges(np.zeros(len(piece), dtype=np.int64), count + 1)
     share = step / np.repeat(np.maximum(count, 1), count + 1)
@@ -238,7 +238,7 @@ def _along(
 
 
 def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: PrintSettings) -> IntArray:
-    """(P,) chords in each span: as many as the sharpest bend of its sine and the contour's own points ask for."""
+    """(P,) chords in each span: enough for the sharpest bend of its sine and for the contour's own points."""
     before, _, _ = lines.locate(pieces.arc)
     after, _, _ = lines.locate(np.minimum(pieces.arc + pieces.length, lines.arc_start[pieces.loop + 1] - 1e-6))
     deepest = np.maximum(depth[before], depth[after])
@@ -250,7 +250,7 @@ def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: Prin
 
 
 def valley_lines(lines: Contours, depth: FloatArray, set_back: FloatArray) -> FloatArray:
-    """(N, 2) mm, the line through the valleys of the wave: the innermost that the outer wall reaches."""
+    """(N, 2) mm, the line through the valleys of the wave, as far inside as the outer wall goes."""
     valleys = -lines.normal
     valleys *= (depth / 2 + set_back)[:, None]
     valleys += lines.points
@@ -268,7 +268,7 @@ def average_along_wall(values: FloatArray, lines: Contours, window: float) -> Fl
 
 
 def places(lines: Contours, spacing: float) -> tuple[FloatArray, IntArray]:
-    """Evenly spread places on all contours, about `spacing` mm apart: their arcs and loops."""
+    """Evenly spaced places on all contours, about `spacing` mm apart: their arcs (Q,) and loops (Q,)."""
     count = np.maximum(np.round(lines.length / spacing), 1).astype(np.int64)
     loop = np.repeat(np.arange(len(count)), count)
     step = ranges(np.zeros(len(count), dtype=np.int64), count)
