@@ -9,9 +9,9 @@ from ..toolpaths.moves import Moves
 
 
 def fan_commands(moves: Moves, settings: PrintSettings) -> dict[int, list[str]]:
-    """What switches the fan on, by the row before which it stands; none for printers that speak MakerBot's dialect.
+    """Commands that switch the fan on, by the row before which they stand; none for MakerBot's dialect.
 
-    It is told again after each tool change: with a fan at each nozzle the command is that of the active one.
+    They are repeated after each tool change: with a fan at each nozzle they apply to the active one.
 
     Args:
         moves: the print.

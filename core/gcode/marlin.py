@@ -1,6 +1,6 @@
-"""G-code for Marlin and Klipper firmware: bare `T0` and `T1`, one axis E, extrusion told move by move.
+"""G-code for Marlin and Klipper firmware: bare `T0` and `T1`, one axis E, relative extrusion.
 
-What differs from printer to printer, the lines at the start, at a tool change and at the end, stands in its profile.
+The lines at the start, at a tool change and at the end differ from printer to printer and come from its profile.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def marlin_end(commands: MarlinCommands, settings: PrintSettings, tool: int) -> 
 
 
 def fed_by_each(counter: IntArray, tool: IntArray) -> IntArray:
-    """(M,) what each row feeds, from the counter (M,) of its own tool after it, so that rounding never adds up."""
+    """(M,) what each row feeds: differences of its tool's counter (M,), so that rounding errors never add up."""
     fed = np.empty_like(counter)
     for number in np.unique(tool):
         rows = np.flatnonzero(tool == number)

@@ -1,4 +1,4 @@
-"""What the printer is told, before it becomes text or X3G: numbers of the lines, and the commands between them."""
+"""The print as commands, before they become text or X3G: the numbers of the lines, and the commands between them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .standby import standby_commands
 IdleCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
 
 WIDTH_STEP = 0.002
-"""mm; widths of lines are told so finely."""
+"""mm, resolution of the widths in comments."""
 
 _FEATURE_COMMENTS = ["; " + feature.name.lower().replace("_", " ") for feature in Feature]
 

@@ -1,4 +1,4 @@
-"""A G-code file back into moves: ours for any printer, and those of slicers that write the same commands."""
+"""A G-code file back into moves: our own for any printer, and those of slicers that write the same commands."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class ReadPrint:
 
     @property
     def summary(self) -> str:
-        """Words that are nearly the same for both files of a print: layers, and metres of plastic laid down."""
+        """Layers and metres of strands, nearly the same for the G-code and the X3G of a print."""
         lays = np.flatnonzero(self.moves.extrudes)
         step = self.moves.position[lays] - self.moves.position[np.maximum(lays - 1, 0)]
         metres = float(np.sqrt(np.einsum("ij,ij->i", step, step)).sum()) / 1000

@@ -10,7 +10,7 @@ from ..settings import PrintSettings
 from ..statistics.breakdown import NOZZLE_C_PER_S
 from ..toolpaths.moves import Moves
 
-# A nozzle rests at least as long again as it takes to heat, or cooling it would only be unrest.
+# A nozzle is cooled only if it is idle for at least this many times its heating time.
 _LEAST_IDLE = 2.0
 
 
@@ -23,7 +23,7 @@ class Standby:
         cool: (S,) int64, row of the tool change that makes it idle.
         heat: (S,) int64, row before which it is heated again; as many as the moves have if it is not used any more.
         use: (S,) int64, row of the tool change that needs it again, or as `heat`.
-        short: how many times it would be idle too short for this and stays hot.
+        short: how many times a nozzle is idle too briefly and stays hot.
     """
 
     tool: IntArray
@@ -86,7 +86,7 @@ def standby_commands(
 
 
 def standby_warnings(moves: Moves, seconds: FloatArray, settings: PrintSettings) -> list[str]:
-    """Says where the idle nozzle stays hot although it should be cooled."""
+    """Warns that the idle nozzle stays hot although it should be cooled."""
     if not settings.standby_temperature_delta:
         return []
     found = standby(moves, seconds, settings)

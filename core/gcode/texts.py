@@ -1,11 +1,11 @@
-"""Texts in the comments of a G-code file: what a converter might stumble over is written as %23, as in an address."""
+"""Texts in the comments of a G-code file: characters that converters may misread are percent-encoded, as in URLs."""
 
 from __future__ import annotations
 
 import re
 from urllib.parse import quote, unquote
 
-# No sign but printable ASCII, none that means something to a converter, no blanks that a reader would strip.
+# Anything but printable ASCII, characters with a meaning for converters, and blanks at the ends.
 _RISKY = re.compile(r"[^ -~]|[#@;()%]|^ | $")
 
 

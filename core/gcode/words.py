@@ -55,7 +55,7 @@ class Words:
 
 
 def read_words(data: bytes) -> Words:
-    """Take the text apart, some MB at a time.
+    """Parse the text, some MB at a time.
 
     Raises:
         PrintError: the file is empty, too long, broken off, or a line of it is no G-code.
@@ -113,7 +113,7 @@ def _parsed(chunk: bytes, first_line: int) -> tuple[IntArray, NDArray[np.uint8],
 
 def _numbers(text: bytes, count: int, at: IntArray, first_line: int) -> FloatArray:
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # text that is no number: the count tells
+        warnings.simplefilter("ignore", DeprecationWarning)  # for text that is not a number; the count shows it
         try:
             numbers = np.fromstring(text.translate(_LETTERS_TO_BLANKS), dtype=np.float64, sep=" ")
         except ValueError:

@@ -1,4 +1,4 @@
-"""What a job has to tell: its report, and warnings that say what to do."""
+"""The report of a job, and its warnings, which say what to do."""
 
 from __future__ import annotations
 

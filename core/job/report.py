@@ -1,4 +1,4 @@
-"""The report of a job: what was made, how well the pattern fits, what it costs, how long each stage took."""
+"""Time and memory of a job, and the totals in the header of the G-code."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class StageClock:
 
     Attributes:
         seconds: of each stage, which add up to the job.
-        beside: of work done in another thread beside the stages.
+        beside: seconds of work done in another thread beside the stages.
     """
 
     seconds: dict[str, float] = field(default_factory=dict)
@@ -46,7 +46,7 @@ class StageClock:
 
 
 def peak_rss_mb() -> float:
-    """Most memory that the process has held so far, MB; 0 where the system does not tell (Windows)."""
+    """Peak memory of the process so far, MB; 0 where the system does not report it (Windows)."""
     if sys.platform == "win32":
         return 0.0
     import resource

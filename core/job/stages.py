@@ -33,7 +33,7 @@ class Stages:
         self.compare_layers, self.run_layers = self._cache.compare_layers, self._cache.run_layers
 
     def __enter__(self) -> Stages:
-        """Nothing is to be made ready."""
+        """The stages themselves; nothing has to be prepared."""
         return self
 
     def __exit__(
@@ -52,7 +52,7 @@ class Stages:
         return self._beside.submit(self._clock.timed, name, lambda: self.run(name, work, *map(_known, inputs)))
 
     def ended(self) -> dict[str, Any]:
-        """The part of the report on time and memory, once no stage is to come."""
+        """The part of the report on time and memory, after the last stage."""
         self._cache.trim()
         self._clock.stop()
         seconds = self._clock.seconds
@@ -61,5 +61,5 @@ class Stages:
 
 
 def _known(value: Any) -> Any:
-    """What work in the same thread, ahead of this, has made; anything else as it is."""
+    """The result of earlier work in the same thread; any other value as it is."""
     return value.result() if isinstance(value, Future) else value

@@ -1,4 +1,4 @@
-"""How long the same object would take in a single colour: some of its layers are put together to tell."""
+"""How long the same object would take in a single colour, from toolpaths of some of its layers."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from ..toolpaths.order import ordered
 from ..toolpaths.travels import Rooms
 from .time_and_filament import move_seconds, tool_change_rows
 
-# What a print in one colour has no use for.
+# Features that a print in one colour does not need.
 ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
-# What stands around the object or under it; the comparison leaves it out.
+# Features around the object or under it; the comparison leaves them out.
 _AROUND = (Feature.SKIRT, Feature.BRIM, Feature.RAFT)
-# Of about so many layers of a tall print the time is found out.
+# Of a tall print, the time of about this many layers is computed.
 _KNOWN_LAYERS = 20
 
 
@@ -48,7 +48,7 @@ class SingleColor:
 def single_color(
     outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings, within: Rooms | None = None
 ) -> SingleColor:
-    """Find out the time of every layer, or of the first and every so many of a large print's.
+    """The time of every layer, or of the first and some evenly spaced layers of a tall print.
 
     Args:
         outlines: the waved outer wall.

@@ -1,4 +1,4 @@
-"""Pixels and colour attributes into tone: linear-light luminance, with alpha kept apart."""
+"""Pixels and colour attributes into tone: linear-light luminance, with alpha kept separately."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Weights of linear red, green and blue in luminance (Rec. 709, which shares its primaries with sRGB)."""
 
 _CHUNK_PIXELS = 1 << 16  # a chunk's intermediate arrays stay in the cache
-_BYTE_TOLERANCE = 1e-3  # of a step of 1/255: what float32 makes of a byte is within this
+_BYTE_TOLERANCE = 1e-3  # of a step of 1/255: float32 represents bytes within this
 
 
 def linear_from_srgb(encoded: FloatArray) -> FloatArray:
@@ -69,9 +69,9 @@ def colour_tone(rgba: FloatArray | Float32Array, background_tone: float) -> Floa
 
 
 def _pair_tables() -> tuple[Float32Array, Float32Array]:
-    """Luminance (65536,) of each pair of 8-bit red and green, and of blue whatever the alpha.
+    """Luminance (65536,) of each pair of 8-bit red and green, and (65536,) of blue for any alpha.
 
-    A pair is the number that its two bytes make in this machine's order; two look-ups a pixel instead of three.
+    A pair is the 16-bit number of its two bytes in native order; two look-ups per pixel instead of three.
     """
     pairs = np.arange(65536, dtype=np.uint16).view(np.uint8).reshape(-1, 2)
     red, green, blue = np.array(LUMINANCE)[:, None] * linear_from_srgb(np.arange(256) / 255.0)

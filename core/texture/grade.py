@@ -10,7 +10,7 @@ from ..records import dataclass
 from .decode import LUMINANCE, linear_from_srgb, srgb_from_linear
 
 MOST_CLIPPED = 0.005
-"""Share of the pixels at either end that automatic contrast lets go black or white."""
+"""Share of the pixels at either end that automatic contrast may clip to black or white."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ def graded(linear: Float32Array, alpha: Float32Array, grade: Grade) -> FloatArra
 
     Args:
         linear: (H, W, 3) linear colours.
-        alpha: (H, W); what is not painted has no say in automatic contrast.
-        grade: what to do.
+        alpha: (H, W); unpainted pixels do not count for automatic contrast.
+        grade: channel mix, levels, gamma and contrast.
 
     Raises:
         TextureError: the mix has no positive weight, or black is not darker than white.

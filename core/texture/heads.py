@@ -1,4 +1,4 @@
-"""How large a picture claims to be, told by the head of its file before anything is decoded."""
+"""How large a picture claims to be, read from the head of its file before anything is decoded."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _HEAD_BYTES = 1 << 16
 
 
 def check_texels(name: str, count: int) -> None:
-    """Refuse a picture that would take memory without bound.
+    """Refuse a picture that would take too much memory.
 
     Raises:
         TextureError: it has too many texels.
@@ -38,7 +38,7 @@ def texels_of_file(path: Path) -> int:
 
 
 def texels(file: BinaryIO) -> int:
-    """Width times height that the head of a picture claims, 0 for a kind of file that is not known here."""
+    """Width times height according to the head of a picture, 0 for unknown kinds of file."""
     from PIL import Image
 
     head = file.read(_HEAD_BYTES)

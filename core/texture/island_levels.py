@@ -1,4 +1,4 @@
-"""Whose the texels of mip pyramids are, level by level, whatever the pictures show."""
+"""Which island each texel of a mip pyramid belongs to, level by level, whatever the pictures show."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..records import dataclass
 from .islands import NO_ISLAND, LabelImage
 from .labels import Charts
 
-BAND_TEXELS = 1 << 17  # worked on at once: they stay in the cache
+BAND_TEXELS = 1 << 17  # processed at once, so that they stay in the cache
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class IslandLevel:
         coverage: share of the texel that its island covers, or None where that is 1 for every texel with an island.
         island: (h · w,) the island that covers most of the texel, `NO_ISLAND` for none.
         uniform: (h · w,) whether the texel, its right neighbour and the two above are wholly of one island, or of none.
-        mixed: (n,) texels that not one island covers wholly, or none.
+        mixed: (n,) texels that are neither wholly covered by one island nor wholly empty.
         own: (4, n) which of their `children` are of the same island.
     """
 
@@ -38,7 +38,7 @@ class IslandLevel:
 def island_levels(charts: Charts, texture_filter: str) -> tuple[tuple[IslandLevel, ...], ...]:
     """For each texture its levels from the finest down to a single texel.
 
-    There is only the finest one for the Lanczos filter, and none of a texture that no face uses.
+    The Lanczos filter needs only the finest level; a texture that no face uses gets none.
     """
     return tuple(_levels(labels, texture_filter == "lanczos") if labels.size else () for labels in charts.labels)
 
@@ -53,7 +53,7 @@ def _levels(labels: LabelImage, only_finest: bool) -> tuple[IslandLevel, ...]:
 
 
 def _halved(level: IslandLevel) -> IslandLevel:
-    """The next coarser level; odd sizes are filled up with texels that nothing covers, so no texel is stretched.
+    """The next coarser level; odd sizes are padded with uncovered texels, so no texel is stretched.
 
     A texel belongs to the island that covers most of it.
     """
@@ -75,9 +75,9 @@ def _halved(level: IslandLevel) -> IslandLevel:
 
 
 def children(height: int, width: int, texel: IntArray) -> tuple[IntArray, BoolArray]:
-    """(4, n) the texels of a level (height, width) that some of the next one are made of, and which there are.
+    """(4, n) texels of a level (height, width) under `texel` (n,) of the next one, and (4, n) whether they exist.
 
-    Those beyond the picture are told as the first one.
+    Texels beyond the picture are given as texel 0.
     """
     row, column = np.divmod(texel, (width + 1) // 2)
     rows, columns = 2 * row + [[0], [0], [1], [1]], 2 * column + [[0], [1], [0], [1]]

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray
 
-_LEAST_COVERAGE = 0.05  # below this the negative lobes outweigh what the charts cover
+_LEAST_COVERAGE = 0.05  # below this the negative lobes outweigh the covered texels
 
 
 def texel_spacing(corners: FloatArray, texels: FloatArray) -> tuple[float, float]:
@@ -14,7 +14,7 @@ def texel_spacing(corners: FloatArray, texels: FloatArray) -> tuple[float, float
 
     Args:
         corners: (T, 3, 3) mm of the faces.
-        texels: (T, 3, 2) the same corners in the picture.
+        texels: (T, 3, 2) texels, the same corners in the picture.
 
     Returns:
         mm per texel along u and along v: the lengths of the columns of each face's Jacobian. (inf, inf) where no face

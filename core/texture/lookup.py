@@ -10,7 +10,7 @@ from .pyramid import Picture, TexturePyramids
 
 _CHUNK_POINTS = 1 << 14  # a chunk's intermediate arrays stay in the cache
 _HALF = np.float32(0.5)
-_NO_WEIGHT = 1e-6  # taps that weigh less in all say nothing
+_NO_WEIGHT = 1e-6  # below this total weight the taps have no value
 
 
 def tone_at(
@@ -18,8 +18,8 @@ def tone_at(
 ) -> FloatArray:
     """Tone of N points of the surface, averaged over the footprint that the pyramids were built for.
 
-    A texture is looked up trilinearly within the point's own UV island; where the island is too small for a level
-    the next finer one is asked, and at last the picture itself. Alpha blends towards the background.
+    A texture is looked up trilinearly within the point's own UV island; where the island is too small for a level,
+    the next finer one is used, and finally the picture itself. Alpha blends towards the background.
 
     Args:
         pyramids: from `build_pyramids`, of the mesh that the faces belong to.
@@ -54,7 +54,7 @@ def tone_at(
 
 
 def _within(picture: Picture, place: FloatArray) -> FloatArray:
-    """U or V (n,) inside the picture: wrapped around where it repeats, else brought to its border."""
+    """U or V (n,) inside the picture: wrapped around if it repeats, else clamped to its border."""
     return np.asarray(place - np.floor(place) if picture.repeats else np.clip(place, 0.0, 1.0))
 
 
@@ -70,7 +70,7 @@ def _nearest(picture: Picture, x: FloatArray, y: FloatArray) -> tuple[Float32Arr
 def _trilinear(
     picture: Picture, finer: int, x: Float32Array, y: Float32Array, island: LabelImage, share: Float32Array
 ) -> tuple[Float32Array, Float32Array | None]:
-    """Paint and alpha (n,) between the level `finer` and the next one, of which each point has a share (n,)."""
+    """Paint and alpha (n,) between the level `finer` (share 0) and the next coarser one (share 1), by `share` (n,)."""
     paint, known = np.empty(len(x), dtype=np.float32), np.empty(len(x), dtype=bool)
     alpha = None if picture.levels[0].alpha is None else np.empty_like(paint)
     for start in range(0, len(x), _CHUNK_POINTS):
@@ -98,7 +98,7 @@ def _within_island(
 ) -> tuple[list[Float32Array], BoolArray]:
     """Paint and, if there is any, alpha (n,) from the four texels around each point.
 
-    And whether (n,) the island covers all four of them; elsewhere the answers say nothing.
+    Also returns (n,) whether the island covers all four of them; elsewhere the values are meaningless.
     """
     level, scale = picture.levels[number], np.float32(0.5**number)
     right_share, upper_share = x * scale - _HALF, y * scale - _HALF
@@ -108,7 +108,7 @@ def _within_island(
     corner = below.astype(np.int64)
     corner *= level.width
     corner += left.astype(np.int64)
-    # What lies before the first texel wraps to one at the end of a row, and those are never uniform.
+    # A place before the first texel wraps to one at the end of a row, and those are never uniform.
     known = level.uniform.take(corner, mode="wrap") & (level.island.take(corner, mode="wrap") == island)
     answers = []
     for values in (level.paint, level.alpha):
@@ -121,7 +121,7 @@ def _within_island(
 
 
 def _mixed(first: Float32Array, second: Float32Array, share: Float32Array) -> Float32Array:
-    """(n,) from the first to the second, which is overwritten."""
+    """(n,) linear interpolation from the first to the second, in place of the second."""
     second -= first
     second *= share
     second += first
@@ -131,10 +131,10 @@ def _mixed(first: Float32Array, second: Float32Array, share: Float32Array) -> Fl
 def _near_borders(
     picture: Picture, finer: int, x: Float32Array, y: Float32Array, island: LabelImage, share: Float32Array
 ) -> tuple[Float32Array, Float32Array]:
-    """Paint and alpha (n,) as `_trilinear`, where other islands are near.
+    """Paint and alpha (n,) as `_trilinear`, near other islands.
 
-    Points whose island the finer level does not know ask the next finer one, and so on, and at last the picture,
-    whatever island it shows there; a coarser level that does not know the island is left out.
+    Points whose island is missing in the finer level use the next finer one, and so on, and finally the picture with
+    any island; a coarser level without the island is left out.
     """
     paint, alpha = np.zeros((2, len(x)), dtype=np.float32)
     lost = np.arange(len(x))
@@ -156,9 +156,9 @@ def _near_borders(
 def _bilinear(
     picture: Picture, number: int, x: Float32Array, y: Float32Array, island: LabelImage | None
 ) -> tuple[Float32Array, Float32Array, BoolArray]:
-    """Paint and alpha (n,) from the four texels around each point, and the points (n,) whose island they know.
+    """Paint and alpha (n,) from the four texels around each point, and (n,) whether its island is among them.
 
-    Texels count by how much of them the island covers; with `island` None all count alike.
+    Texels are weighted by how much of them the island covers; with `island` None all weigh the same.
     """
     level, scale = picture.levels[number], np.float32(0.5**number)
     right_share, upper_share = x * scale - _HALF, y * scale - _HALF
@@ -186,7 +186,7 @@ def _bilinear(
 
 
 def _neighbours(first: Float32Array, count: int, repeats: bool) -> tuple[IntArray, IntArray]:
-    """Texel numbers `first` (-1 to count - 1) and the next, those beyond 0 to count - 1 wrapped or at the border."""
+    """Texel numbers `first` (-1 to count - 1) and the next ones, wrapped around or clamped to 0 to count - 1."""
     low, high = first.astype(np.int64), first.astype(np.int64) + 1
     low[low < 0] = count - 1 if repeats else 0
     high[high == count] = 0 if repeats else count - 1

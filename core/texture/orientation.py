@@ -1,4 +1,4 @@
-"""Which way up a camera held a picture: stored in the file (EXIF), and left to whoever shows it."""
+"""Which way up a camera was held: the EXIF orientation, which pixels do not show and viewers must apply."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import numpy as np
 from ..model import Float32Array, ToneImage
 
 _TAG = 0x0112
-_ON_ITS_SIDE = 5  # from here on width and height are swapped
+_ON_ITS_SIDE = 5  # from this orientation on, width and height are swapped
 
 
 def orientation_of_file(path: Path, size: tuple[int, int]) -> int:
-    """The EXIF orientation of a picture, 1 to 8; 1 where the file tells none.
+    """The EXIF orientation of a picture, 1 to 8; 1 if the file has none.
 
     Args:
         path: of the picture.
-        size: width and height of what was read; where they are swapped already, nothing is left to be turned.
+        size: width and height of the decoded picture; if they are swapped already, it must not be turned again.
     """
     from PIL import Image
 
@@ -27,17 +27,17 @@ def orientation_of_file(path: Path, size: tuple[int, int]) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             with Image.open(path) as image:
-                told = image.getexif().get(_TAG, 1)
+                found = image.getexif().get(_TAG, 1)
                 stored = image.size
     except (OSError, ValueError, SyntaxError, EOFError, struct.error, Image.DecompressionBombError):
-        return 1  # a kind of file that tells nothing, or whose head is broken
-    if told not in range(1, 9) or (told >= _ON_ITS_SIDE and stored != size):
+        return 1  # a kind of file without EXIF, or with a broken head
+    if found not in range(1, 9) or (found >= _ON_ITS_SIDE and stored != size):
         return 1
-    return int(told)
+    return int(found)
 
 
 def upright(image: ToneImage, orientation: int) -> ToneImage:
-    """A picture the way up that it was taken; `orientation` as EXIF tells it."""
+    """A picture turned the way up that it was taken; `orientation` is that of EXIF."""
     return ToneImage(_turned(image.tone, orientation), _turned(image.alpha, orientation))
 
 

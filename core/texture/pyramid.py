@@ -43,7 +43,7 @@ class Picture:
         levels: from the finest; only one for the Lanczos filter, none for a texture that no face uses.
         height: of the original picture, texels.
         width: of the original picture, texels.
-        repeats: UVs leave 0 to 1 and wrap around; otherwise the border's texels are the last.
+        repeats: whether UVs leave 0 to 1 and wrap around; otherwise they are clamped to the border.
     """
 
     levels: tuple[Level, ...]
@@ -54,11 +54,11 @@ class Picture:
 
 @dataclass(frozen=True)
 class TexturePyramids:
-    """All textures of a mesh, filtered for one footprint; look-ups with other backgrounds can share it.
+    """All textures of a mesh, filtered for one footprint, for any background tone.
 
     Attributes:
         texture_filter: "trilinear" or "lanczos".
-        pictures: one a texture.
+        pictures: one per texture.
         face_texture: (F,) int64, -1 for none.
         face_island: (F,).
         face_level: (F,) float64, level (0 the finest) whose texels are a footprint wide on the face.
@@ -82,7 +82,7 @@ def build_pyramids(
     """Filter all textures of a mesh.
 
     Args:
-        mesh: its UVs and faces tell the islands and the size of a texel on the object.
+        mesh: its UVs and faces define the islands and the size of a texel on the object.
         textures: one for each number in `mesh.face_texture`.
         footprint_mm: the width on the object over which a look-up averages.
         texture_filter: "trilinear": mip maps; "lanczos": each picture is reduced once to texels of the footprint.
@@ -120,7 +120,7 @@ def sizes_of(textures: tuple[ToneImage, ...]) -> tuple[tuple[int, int], ...]:
 
 
 def _finest(image: ToneImage, islands: IslandLevel) -> Level:
-    """The picture itself, alpha premultiplied; what is outside the islands is left there, nothing reads it."""
+    """The picture itself, alpha premultiplied; texels outside the islands stay as they are, nothing reads them."""
     tone = np.ascontiguousarray(image.tone).ravel()
     if image.alpha.min() == 1:
         return _level(tone, None, islands)
@@ -133,7 +133,7 @@ def _level(paint: Float32Array, alpha: Float32Array | None, islands: IslandLevel
 
 
 def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_mm: float) -> Level:
-    """The picture reduced by Lanczos to texels of a footprint; as a level, so that both filters look up alike."""
+    """The picture reduced by Lanczos to texels of a footprint, as a level, so that both filters are looked up alike."""
     across, up = texel_spacing(corners, uv * [base.width, base.height])
     paint, alpha = reduced(
         base.paint.reshape(base.height, base.width),
@@ -151,17 +151,17 @@ def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_m
 def _levels(
     mesh: TriangleMesh, faces: IntArray, face_texels: FloatArray, footprint_mm: float, count: int
 ) -> FloatArray:
-    """Level (T,) of some faces, 0 to count - 1, from their areas in mm² and in texels; 0 where either is nothing."""
+    """Level (T,) of some faces, 0 to count - 1, from their areas in mm² and in texels; 0 where either is zero."""
     area_mm2, area_texels = mesh.face_area.take(faces), np.abs(face_texels.take(faces))
     sound = (area_mm2 > 0) & (area_texels > 0)
-    # A face without an area in either is a texel as wide as the footprint.
+    # A face without an area in either counts as if its texels were as wide as the footprint.
     ratio = np.divide(area_texels, area_mm2, out=np.full(len(faces), 1 / footprint_mm**2), where=sound)
     level = 0.5 * np.log2(ratio) + np.log2(footprint_mm)
     return np.asarray(np.clip(level, 0.0, count - 1.0))
 
 
 def _averaged(base: Level, coarser: tuple[IslandLevel, ...]) -> tuple[Level, ...]:
-    """The level and all coarser ones: in a texel only those of its own island are averaged, by their coverage."""
+    """The level and all coarser ones: a texel averages only texels of its own island, weighted by coverage."""
     levels = [base]
     for islands in coarser:
         finer, values = levels[-1], []
