@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .errors import SettingsError
 from .files import write_file
 from .gcode.writer import counted_text
-from .job.report import StageClock, header_lines, peak_rss_mb
+from .job.clock import StageClock, peak_rss_mb
 from .pipeline import DualColorPrint
 from .toolpaths.raft import raised
 from .x3g.writer import x3g_bytes
@@ -25,7 +26,7 @@ def export_gcode(result: DualColorPrint, path: Path) -> DualColorPrint:
     """
     clock = StageClock()
     clock.begin("gcode")
-    header = header_lines(result.report)
+    header = _totals(result.report)
     text, moves = counted_text(result.moves, result.settings, header, result.layer_begins)
     write_file(path, text)
     clock.stop()
@@ -48,6 +49,19 @@ def export_x3g(result: DualColorPrint, path: Path) -> DualColorPrint:
     write_file(path, data)
     clock.stop()
     return _reported(result, clock, x3g={"bytes": len(data)})
+
+
+def _totals(report: dict[str, Any]) -> list[str]:
+    """Totals for the head of the G-code file."""
+    time, filament = report["time_s"], report["filament"]
+    return [
+        f"object = {report['name']}",
+        f"layers = {report['layers']}",
+        f"tool_changes = {report['tool_changes']}",
+        f"time_s = {time['total']:.0f}",
+        f"filament_tool0_mm = {filament['tool0_mm']:.1f}",
+        f"filament_tool1_mm = {filament['tool1_mm']:.1f}",
+    ]
 
 
 def _reported(result: DualColorPrint, clock: StageClock, **made: dict[str, int]) -> DualColorPrint:

@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Any
 
 from ..progress import Progress
-from .report import StageClock, peak_rss_mb
+from .clock import StageClock, peak_rss_mb
 from .stage_cache import NoCache, StageCache
 
 

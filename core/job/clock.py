@@ -1,4 +1,4 @@
-"""Time and memory of a job, and the totals in the header of the G-code."""
+"""Time of the stages of a job, and its peak memory."""
 
 from __future__ import annotations
 
@@ -53,16 +53,3 @@ def peak_rss_mb() -> float:
 
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (1024 * 1024 if sys.platform == "darwin" else 1024)
-
-
-def header_lines(report: dict[str, Any]) -> list[str]:
-    """Totals for the head of the G-code file."""
-    time, filament = report["time_s"], report["filament"]
-    return [
-        f"object = {report['name']}",
-        f"layers = {report['layers']}",
-        f"tool_changes = {report['tool_changes']}",
-        f"time_s = {time['total']:.0f}",
-        f"filament_tool0_mm = {filament['tool0_mm']:.1f}",
-        f"filament_tool1_mm = {filament['tool1_mm']:.1f}",
-    ]
