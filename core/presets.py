@@ -63,11 +63,6 @@ def read_preset(path: Path) -> Preset:
     return Preset(label, str(values.get("description", "")), settings)
 
 
-def preset_descriptions() -> dict[str, str]:
-    """What each of the program's presets is for, in a sentence without a full stop."""
-    return {name: read_preset(path).description for name, path in preset_files().items()}
-
-
 def preset_values(names: Sequence[str], own: Path | None = None) -> dict[str, Any]:
     """The settings of some presets; where two disagree, the later one counts.
 

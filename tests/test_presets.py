@@ -13,7 +13,6 @@ from dualcolor.core.presets import (
     PRESETS,
     agrees,
     kind_settings,
-    preset_descriptions,
     preset_files,
     preset_values,
     read_preset,
@@ -33,9 +32,9 @@ def test_every_preset_is_valid_and_described(name):
     values = preset_values([name])
     assert PrintSettings().changed(values).as_dict().items() >= values.items()
     assert set(values) <= set(kind_settings(preset_files()[name].parent.name))
-    assert preset_descriptions()[name]
-    assert read_preset(preset_files()[name]).label != name
-    assert not preset_descriptions()[name].endswith(".")
+    preset = read_preset(preset_files()[name])
+    assert preset.label != name
+    assert preset.description and not preset.description.endswith(".")
 
 
 def test_qualities_and_later_presets_count():
