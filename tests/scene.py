@@ -11,6 +11,8 @@ from dualcolor.core.settings import PrintSettings
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
 CUBE_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 
+DATA_KINDS = ("scenes", "collections", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials")
+
 
 def fresh(millimetres=True):
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
@@ -83,3 +85,8 @@ def volume(model):
 
 def extent(model):
     return np.ptp(model.vertices, axis=0)
+
+
+def datablocks() -> dict[str, list[str]]:
+    """Names of all data of the kinds that a job may add, by kind."""
+    return {kind: sorted(held.name for held in getattr(bpy.data, kind)) for kind in DATA_KINDS}

@@ -1,29 +1,18 @@
 """The user's actions, run as scripts run them, and the traces that the extension leaves."""
 
-import struct
-from types import SimpleNamespace
-
-import numpy as np
 import pytest
-from sample_print import square_print
 
 bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor.bridge import results  # noqa: E402
-from dualcolor.bridge.curves import build_preview, preview_of, read_strands  # noqa: E402
+from dualcolor.bridge.curves import preview_of, read_strands  # noqa: E402
 from dualcolor.bridge.properties import report_of  # noqa: E402
-from dualcolor.bridge.render import render_prediction  # noqa: E402
-from dualcolor.bridge.studio import camera_axes, camera_place  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
-from dualcolor.core.errors import OutputError, PrintError  # noqa: E402
-from dualcolor.operators.generate import DUALCOLOR_OT_generate  # noqa: E402
-from dualcolor.operators.job import JobOperator, stop_job  # noqa: E402
 from dualcolor.panels.paint import hints  # noqa: E402
 from dualcolor.panels.results import duration, figures  # noqa: E402
 from dualcolor.panels.rows import wrapped  # noqa: E402
-
-DATA_KINDS = ("scenes", "collections", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials")
+from dualcolor.tests.scene import datablocks  # noqa: E402
 
 
 def traces() -> set[str]:
@@ -36,10 +25,6 @@ def traces() -> set[str]:
     entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()]
     entries += [*bpy.app.handlers.load_pre, *bpy.app.handlers.depsgraph_update_post]
     return names | {str(entry) for entry in entries if entry.__module__.startswith("dualcolor")}
-
-
-def datablocks() -> dict[str, list[str]]:
-    return {kind: sorted(held.name for held in getattr(bpy.data, kind)) for kind in DATA_KINDS}
 
 
 @pytest.fixture
@@ -200,161 +185,6 @@ def test_export_writes_what_was_generated_and_makes_it_anew_if_the_object_change
 def test_a_gcode_file_that_cannot_be_written_is_an_error(block, tmp_path):
     with pytest.raises(RuntimeError, match="cannot be written"):
         bpy.ops.dualcolor.export_gcode(filepath=str(tmp_path / "missing" / "a.gcode"))
-
-
-class Window:
-    """Stands in for a window manager and its window, which a background Blender has not."""
-
-    def __init__(self):
-        self.windows, self.window, self.workspace, self.window_manager = [], None, self, self
-        self.timers, self.status = 0, None
-
-    def event_timer_add(self, *_args, **_more):
-        self.timers += 1
-        return object()
-
-    def event_timer_remove(self, _timer):
-        self.timers -= 1
-
-    def status_text_set(self, text):
-        self.status = text
-
-    def progress_begin(self, *_):
-        pass
-
-    progress_update = progress_end = modal_handler_add = progress_begin
-
-
-class Pretended(JobOperator):
-    """A job of three steps that writes at its end."""
-
-    def __init__(self, problem=None):
-        self.written, self.reports, self.problem = [], [], problem
-
-    def report(self, kind, text):
-        self.reports.append((*kind, text))
-
-    def steps(self, context):
-        yield 0.0, "first"
-        yield 0.5, "second"
-        if self.problem:
-            raise self.problem
-        self.written.append(1)
-        return "done"
-
-
-def events(job, kinds):
-    window = Window()
-    job.invoke(window, None)
-    outcome = [job.modal(window, SimpleNamespace(type=kind)) for kind in kinds]
-    return window, outcome
-
-
-def test_the_timer_advances_the_job_to_its_end():
-    job = Pretended()
-    window, outcome = events(job, ["TIMER", "MOUSEMOVE", "TIMER", "TIMER"])
-    assert outcome == [{"RUNNING_MODAL"}] * 3 + [{"FINISHED"}]
-    assert job.written == [1] and job.reports == [("INFO", "done")]
-    assert window.timers == 0 and window.status is None and JobOperator.running is None
-
-
-def test_a_second_job_waits_for_the_first():
-    window, _ = events(Pretended(), ["TIMER"])
-    second = Pretended()
-    assert second.invoke(window, None) == {"CANCELLED"} and second.reports[0][0] == "WARNING"
-    assert window.timers == 1
-    stop_job(window)
-
-
-def test_a_job_is_stopped_with_the_extension():
-    window, _ = events(Pretended(), ["TIMER"])
-    stop_job(window)
-    assert window.timers == 0 and window.status is None and JobOperator.running is None
-    stop_job(window)
-    assert events(Pretended(), ["TIMER", "TIMER", "TIMER"])[1][-1] == {"FINISHED"}
-
-
-def test_the_progress_is_told():
-    window, _ = events(job := Pretended(), ["TIMER", "TIMER"])
-    assert JobOperator.running.stage == "second" and "50%" in window.status
-    job.cancel(window)
-
-
-def test_escape_leaves_everything_as_it_was():
-    job = Pretended()
-    window, outcome = events(job, ["TIMER", "TIMER", "ESC"])
-    assert outcome[-1] == {"CANCELLED"}
-    assert job.written == [] and window.timers == 0 and JobOperator.running is None
-
-
-@pytest.mark.parametrize("problem", [PrintError("no UVs"), ZeroDivisionError("a bug")])
-def test_a_failed_job_frees_the_window_and_a_bug_keeps_its_traceback(problem):
-    job, window = Pretended(problem), Window()
-    job.invoke(window, None)
-    job.modal(window, SimpleNamespace(type="TIMER"))
-    job.modal(window, SimpleNamespace(type="TIMER"))
-    if isinstance(problem, PrintError):
-        assert job.modal(window, SimpleNamespace(type="TIMER")) == {"CANCELLED"}
-        assert job.reports == [("ERROR", "no UVs")]
-    else:
-        with pytest.raises(ZeroDivisionError):
-            job.modal(window, SimpleNamespace(type="TIMER"))
-    assert window.timers == 0 and JobOperator.running is None
-
-
-def test_generating_is_one_step_of_undo():
-    assert DUALCOLOR_OT_generate.bl_options == {"UNDO"}
-
-
-def png_size(path):
-    return struct.unpack(">II", path.read_bytes()[16:24])
-
-
-def test_a_render_leaves_the_scene_as_it_was(scene, tmp_path):
-    collection = build_preview(square_print())
-    scene.render.engine, scene.render.filepath = "BLENDER_WORKBENCH", "//kept"
-    before, images = datablocks(), set(bpy.data.images)
-    render_prediction(collection, tmp_path / "a.png", (48, 40), samples=4)
-    assert png_size(tmp_path / "a.png") == (48, 40)
-    assert datablocks() == before and set(bpy.data.images) == images
-    assert bpy.context.scene == scene and scene.camera is None and scene.world is None
-    assert (scene.render.engine, scene.render.filepath) == ("BLENDER_WORKBENCH", "//kept")
-    assert [found.name for found in tmp_path.iterdir()] == ["a.png"]
-
-
-def test_the_picture_shows_the_object_and_not_the_tower(scene, tmp_path):
-    collection = build_preview(square_print())
-    tones = {}
-    for whole in (False, True):
-        path = tmp_path / f"{whole}.png"
-        render_prediction(collection, path, (48, 48), samples=4, whole_plate=whole)
-        picture = bpy.data.images.load(str(path))
-        tones[whole] = np.array(picture.pixels[:]).reshape(48, 48, 4)[..., 0]
-    # Between the black and white lines of the block the picture varies; a plate with a tower shows the block smaller.
-    assert tones[False][14:34, 10:38].std() > 0.05
-    assert abs(tones[True] - tones[False]).mean() > 0.02
-
-
-def test_no_strands_and_no_folder_are_errors(scene, tmp_path):
-    empty = bpy.data.collections.new("Empty")
-    before = datablocks()
-    with pytest.raises(PrintError, match="no strands"):
-        render_prediction(empty, tmp_path / "a.png")
-    with pytest.raises(OutputError):
-        render_prediction(empty, tmp_path / "missing" / "a.png")
-    assert datablocks() == before
-
-
-@pytest.mark.parametrize("azimuth", [-0.5, 2.0])
-def test_the_camera_sees_all_points_and_no_closer_place_does(azimuth):
-    points = np.random.default_rng(3).normal(size=(200, 3)) * (5, 2, 9)
-    axes = camera_axes(azimuth, 0.3)
-    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
-    place = camera_place(points, axes, 0.2, 0.15)
-    seen = (points - place) @ axes.T
-    share = np.abs(seen[:, :2] / -seen[:, 2:]) / (0.2, 0.15)
-    assert share.max() == pytest.approx(1.0)
-    assert (seen[:, 2] < 0).all()
 
 
 def test_the_results_in_the_sidebar():

@@ -1,0 +1,115 @@
+"""Jobs that run beside the user's work: timer, progress, Esc, errors."""
+
+from types import SimpleNamespace
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from dualcolor.core.errors import PrintError  # noqa: E402
+from dualcolor.operators.generate import DUALCOLOR_OT_generate  # noqa: E402
+from dualcolor.operators.job import JobOperator, stop_job  # noqa: E402
+
+
+class Window:
+    """Stands in for a window manager and its window, which a background Blender has not."""
+
+    def __init__(self):
+        self.windows, self.window, self.workspace, self.window_manager = [], None, self, self
+        self.timers, self.status = 0, None
+
+    def event_timer_add(self, *_args, **_more):
+        self.timers += 1
+        return object()
+
+    def event_timer_remove(self, _timer):
+        self.timers -= 1
+
+    def status_text_set(self, text):
+        self.status = text
+
+    def progress_begin(self, *_):
+        pass
+
+    progress_update = progress_end = modal_handler_add = progress_begin
+
+
+class Pretended(JobOperator):
+    """A job of three steps that writes at its end."""
+
+    def __init__(self, problem=None):
+        self.written, self.reports, self.problem = [], [], problem
+
+    def report(self, kind, text):
+        self.reports.append((*kind, text))
+
+    def steps(self, context):
+        yield 0.0, "first"
+        yield 0.5, "second"
+        if self.problem:
+            raise self.problem
+        self.written.append(1)
+        return "done"
+
+
+def events(job, kinds):
+    window = Window()
+    job.invoke(window, None)
+    outcome = [job.modal(window, SimpleNamespace(type=kind)) for kind in kinds]
+    return window, outcome
+
+
+def test_the_timer_advances_the_job_to_its_end():
+    job = Pretended()
+    window, outcome = events(job, ["TIMER", "MOUSEMOVE", "TIMER", "TIMER"])
+    assert outcome == [{"RUNNING_MODAL"}] * 3 + [{"FINISHED"}]
+    assert job.written == [1] and job.reports == [("INFO", "done")]
+    assert window.timers == 0 and window.status is None and JobOperator.running is None
+
+
+def test_a_second_job_waits_for_the_first():
+    window, _ = events(Pretended(), ["TIMER"])
+    second = Pretended()
+    assert second.invoke(window, None) == {"CANCELLED"} and second.reports[0][0] == "WARNING"
+    assert window.timers == 1
+    stop_job(window)
+
+
+def test_a_job_is_stopped_with_the_extension():
+    window, _ = events(Pretended(), ["TIMER"])
+    stop_job(window)
+    assert window.timers == 0 and window.status is None and JobOperator.running is None
+    stop_job(window)
+    assert events(Pretended(), ["TIMER", "TIMER", "TIMER"])[1][-1] == {"FINISHED"}
+
+
+def test_the_progress_is_told():
+    window, _ = events(job := Pretended(), ["TIMER", "TIMER"])
+    assert JobOperator.running.stage == "second" and "50%" in window.status
+    job.cancel(window)
+
+
+def test_escape_leaves_everything_as_it_was():
+    job = Pretended()
+    window, outcome = events(job, ["TIMER", "TIMER", "ESC"])
+    assert outcome[-1] == {"CANCELLED"}
+    assert job.written == [] and window.timers == 0 and JobOperator.running is None
+
+
+@pytest.mark.parametrize("problem", [PrintError("no UVs"), ZeroDivisionError("a bug")])
+def test_a_failed_job_frees_the_window_and_a_bug_keeps_its_traceback(problem):
+    job, window = Pretended(problem), Window()
+    job.invoke(window, None)
+    job.modal(window, SimpleNamespace(type="TIMER"))
+    job.modal(window, SimpleNamespace(type="TIMER"))
+    if isinstance(problem, PrintError):
+        assert job.modal(window, SimpleNamespace(type="TIMER")) == {"CANCELLED"}
+        assert job.reports == [("ERROR", "no UVs")]
+    else:
+        with pytest.raises(ZeroDivisionError):
+            job.modal(window, SimpleNamespace(type="TIMER"))
+    assert window.timers == 0 and JobOperator.running is None
+
+
+def test_generating_is_one_step_of_undo():
+    assert DUALCOLOR_OT_generate.bl_options == {"UNDO"}
