@@ -233,7 +233,7 @@ class PrintSettings:
 
     # Extrusion and retraction
     extrusion_multiplier: float = setting(1.0, "Factor on all extruded amounts", "", 0.5, 2.0)
-    bridge_flow: float = setting(1.0, "Factor on the amount extruded for solid fill over air", "", 0.3, 2.0)
+    bridge_flow: float = setting(1.0, "Factor on the amount extruded for solid fill and walls over air", "", 0.3, 2.0)
     retract_length: float = setting(1.3, "Filament pulled back before a travel", "mm", 0.0, 10.0)
     retract_length_toolchange: float = setting(4.0, "Filament pulled back before a tool change", "mm", 0.0, 20.0)
     retract_restart_extra: float = setting(0.0, "Filament fed in addition after a travel", "mm", 0.0, 2.0)

@@ -52,6 +52,31 @@ def test_walls_of_a_beam_are_slow_between_its_pillars_only():
             np.testing.assert_array_equal(getattr(moves, column.name)[others], getattr(without, column.name)[same])
 
 
+@pytest.mark.parametrize("speed", [SLOW, 0.0])
+def test_walls_over_air_get_as_much_as_bridges(speed):
+    plain, thin = (generate(BEAM, replace(PLAN, bridge_flow=flow, overhang_speed=speed)).moves for flow in (1.0, 0.8))
+    for feature in WALLS:
+        own = thin.feature == feature
+        thinner = np.flatnonzero(own & (np.abs(thin.width - 0.8 * 0.4) < 1e-9))
+        assert set(thin.layer[thinner]) == {FIRST_OF_BEAM}
+        assert lengths(thin)[thinner].sum() == pytest.approx(40, abs=4 * REACH)
+        lost = plain.filament[plain.feature == feature].sum() - thin.filament[own].sum()
+        assert lost == pytest.approx(0.2 * lengths(thin)[thinner].sum() * 0.1 / (np.pi / 4 * 1.75**2), rel=1e-6)
+        if not speed:
+            assert thin.speed[thinner].min() > SLOW
+
+
+def test_the_same_object_in_one_colour_is_slow_over_air_too():
+    def times(overhang_speed):
+        report = generate(BEAM, replace(PLAN, overhang_speed=overhang_speed)).report["time_s"]
+        return report["single_color"], report["total"]
+
+    (alone, dual), (alone_slow, dual_slow) = times(0.0), times(5.0)
+    # Two walls on two sides, 20 mm each, at 5 mm/s instead of some 30 to 40.
+    assert dual_slow - dual == pytest.approx(80 / 5 - 80 / 35, rel=0.15)
+    assert alone_slow - alone == pytest.approx(80 / 5 - 80 / 40, rel=0.15)
+
+
 def test_all_of_an_island_in_the_air_is_slow():
     mushroom = joined(box((-2, -2, 0), (2, 2, 4)), box((-8, -8, 4), (8, 8, 6)))
     rows, moves, _ = slowed(mushroom)

@@ -18,7 +18,7 @@ from ..progress import Progress
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.slices import Slices
-from ..statistics.single_color import SingleColor, single_color
+from ..statistics.single_color import Below, SingleColor, single_color
 from ..supports.grid_overlay import distinct
 from ..supports.paths import Supports, on_bed, supports
 from ..toolpaths.moves import Moves
@@ -82,8 +82,9 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     within = rooms(inside, island_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
     inner = Paths.joined([fill, holding.paths])
-    alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within)
-    beside = Surrounded(holding.paths, around.result(), cut.layers, hanging.result(), known.outlines)
+    below = Below(hanging.result(), known.outlines)
+    alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
+    beside = Surrounded(holding.paths, around.result(), cut.layers, below.hanging, known.outlines)
     printed = layered("toolpaths", toolpaths, toolpaths_anew, (outer, fill, within), beside, settings)
     return PrintedPaths(fill, within, beside, printed.moves, thin, alone)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, Shapes
 from ..paths import Feature, Paths
 from ..pattern.wave import WavedOutlines
 from ..ragged import following, ranges, starts, sums
@@ -17,6 +17,7 @@ from ..slicing.planes import Layers
 from ..toolpaths.assemble import assemble
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import ordered
+from ..toolpaths.overhangs import Undersides, with_overhangs
 from ..toolpaths.travels import Rooms
 from .time_and_filament import move_seconds, tool_change_rows
 
@@ -26,6 +27,19 @@ ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 _AROUND = (Feature.SKIRT, Feature.BRIM, Feature.RAFT)
 # Of a tall print, the time of about this many layers is computed.
 _KNOWN_LAYERS = 20
+
+
+@dataclass(frozen=True)
+class Below:
+    """What carries the walls of a print.
+
+    Attributes:
+        hanging: where walls may hang over air, if anywhere.
+        outlines: (L,) cross-section of each layer.
+    """
+
+    hanging: Undersides | None
+    outlines: Shapes
 
 
 @dataclass(frozen=True)
@@ -46,7 +60,12 @@ class SingleColor:
 
 
 def single_color(
-    outlines: WavedOutlines, paths: Paths, layers: Layers, settings: PrintSettings, within: Rooms | None = None
+    outlines: WavedOutlines,
+    paths: Paths,
+    layers: Layers,
+    settings: PrintSettings,
+    within: Rooms | None = None,
+    below: Below | None = None,
 ) -> SingleColor:
     """The time of every layer, or of the first and some evenly spaced layers of a tall print.
 
@@ -56,13 +75,14 @@ def single_color(
         layers: the stack.
         settings: of the print.
         within: where travels stay unseen, if that is known.
+        below: what carries the walls, if that is known.
     """
     printed = np.unique(np.concatenate([outlines.layer, paths.layer]))
     # An odd step, as the fill turns from layer to layer.
     step = len(printed) // _KNOWN_LAYERS // 2 * 2 + 1
     chosen = printed[np.unique(np.append(0, np.arange(step // 2, len(printed), step)))]
     stacked = chosen if step > 1 else np.arange(len(layers))
-    moves = single_color_moves(outlines, paths, layers, settings, within, stacked)
+    moves = single_color_moves(outlines, paths, layers, settings, within, stacked, below)
     passed = np.bincount(moves.layer, move_seconds(moves, settings.printer_profile), len(stacked))
     seconds = passed[np.searchsorted(stacked, chosen)].astype(np.float64)
     x, y = (outlines.base.take(following(outlines.start), axis=0) - outlines.base).T
@@ -104,6 +124,7 @@ def single_color_moves(
     settings: PrintSettings,
     within: Rooms | None = None,
     chosen: IntArray | None = None,
+    below: Below | None = None,
 ) -> Moves:
     """The same object by one tool: the outlines without their wave at the speed of walls, no tower, all else as it is.
 
@@ -117,6 +138,7 @@ def single_color_moves(
         settings: of the print.
         within: where travels stay unseen, if that is known.
         chosen: layers, ascending, that are printed one upon the other without those between them; None for all.
+        below: what carries the walls, if that is known; where nothing does, they are as slow as those of two colours.
     """
     chosen = np.arange(len(layers)) if chosen is None else chosen
     number = np.full(len(layers), -1)
@@ -127,7 +149,12 @@ def single_color_moves(
     rest = replace(rest, layer=number[rest.layer])
     plain = replace(settings, wave_speed=settings.outline_speed)
     stack = Layers(layers.plane[chosen], layers.top[: len(chosen)], layers.height[chosen])
-    return assemble(ordered(Paths.joined([wall, rest]), plain), stack, plain, within, single_color=True)
+    printed = ordered(Paths.joined([wall, rest]), plain)
+    if below and below.hanging:
+        under = below.outlines[np.maximum(chosen - 1, 0)]  # none of the first layer's walls hangs
+        shifted = np.append(under[1:], under[:1])  # the layer below is looked for one before
+        printed = with_overhangs(printed, below.hanging.of_layers(chosen), shifted, replace(plain, raft_layers=0))
+    return assemble(printed, stack, plain, within, single_color=True)
 
 
 def _unwaved(outlines: WavedOutlines, number: IntArray, tolerance: float) -> Paths:

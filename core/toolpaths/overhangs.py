@@ -42,6 +42,10 @@ class Undersides:
     corner: FloatArray
     cells: BoolArray
 
+    def of_layers(self, chosen: IntArray) -> Undersides:
+        """Those of some layers only."""
+        return Undersides(self.on[chosen], self.corner, self.cells[chosen])
+
     def near(self, x: FloatArray, y: FloatArray, layer: IntArray) -> BoolArray:
         """(N,) whether places on layers lie in such a cell."""
         _, columns, rows = self.cells.shape
@@ -58,12 +62,12 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
     Args:
         mesh: as sliced.
         plane: (L,) mm, where the layers are cut.
-        settings: `overhang_speed` says whether it matters.
+        settings: `overhang_speed` and `bridge_flow` say whether it matters.
 
     Returns:
         None where no line can hang over air.
     """
-    if not settings.overhang_speed:
+    if not settings.overhang_speed and settings.bridge_flow == 1.0:
         return None
     rise = float(np.diff(plane).max(initial=0.0))
     x, y, z = mesh.area_normals.T
@@ -96,13 +100,13 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
 def with_overhangs(
     paths: OrderedPaths, hanging: Undersides | None, outlines: Shapes, settings: PrintSettings
 ) -> OrderedPaths:
-    """The paths with those lines of walls marked that hang over air, cut where they begin to.
+    """The paths with those lines of walls marked that hang over air, cut where they begin to, with their own amount.
 
     Args:
         paths: in printing order.
         hanging: see `undersides`.
         outlines: (L,) cross-section of each layer of the object.
-        settings: `raft_layers` lie below the object's.
+        settings: `raft_layers` lie below the object's; `bridge_flow` is theirs.
 
     Returns:
         `over_air` is None where nothing hangs.
@@ -128,7 +132,7 @@ def with_overhangs(
     if not free.any():
         return paths
     free = _long_parts(np.repeat(free, np.diff(np.append(asked, len(of)))), length, group)
-    return _cut(paths, lines.chord[of], share, free) if free.any() else paths
+    return _cut(paths, lines.chord[of], share, free, settings.bridge_flow) if free.any() else paths
 
 
 class _Lines:
@@ -202,26 +206,30 @@ def _long_parts(free: BoolArray, length: FloatArray, group: IntArray) -> BoolArr
     return free
 
 
-def _cut(paths: OrderedPaths, chord: IntArray, share: FloatArray, free: BoolArray) -> OrderedPaths:
-    """Points where marks change within a line, and the marks of all lines.
+def _cut(paths: OrderedPaths, chord: IntArray, share: FloatArray, free: BoolArray, flow: float) -> OrderedPaths:
+    """Points where marks change within a line, the marks of all lines, and the amount where these are set.
 
     Args:
         paths: in printing order.
         chord: (P,) the point that each piece's line leaves.
         share: (P,) of the line before it.
         free: (P,) of the pieces.
+        flow: factor on the widths of lines over air.
     """
     at = np.flatnonzero((share > 0) & (free != np.roll(free, 1)))
     marks = np.zeros(len(paths.points), dtype=bool)
     marks[chord[share == 0]] = free[share == 0]
     leaves = chord[at]
     near, far = paths.points[leaves], paths.points[leaves + 1]
+    width, marks = _inserted(paths.width, leaves + 1, paths.width[leaves]), _inserted(marks, leaves + 1, free[at])
+    if flow != 1.0:
+        width[marks] *= flow
     return replace(
         paths,
         points=_inserted(paths.points, leaves + 1, near + share[at, None] * (far - near)),
-        width=_inserted(paths.width, leaves + 1, paths.width[leaves]),
+        width=width,
         start=paths.start + np.searchsorted(leaves, paths.start),
-        over_air=_inserted(marks, leaves + 1, free[at]),
+        over_air=marks,
     )
 
 

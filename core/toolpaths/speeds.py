@@ -72,7 +72,7 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
         return (speed,)
 
     path_of_point, asked_of_point = np.repeat(np.arange(len(count)), count), np.repeat(asked, count)
-    if paths.over_air is not None:
+    if paths.over_air is not None and settings.overhang_speed:
         slow = np.minimum(asked_of_point, settings.overhang_speed)
         asked_of_point = np.where(paths.over_air, slow, asked_of_point)
     return in_chunks(chunk, np.arange(len(length)), path_of_point, length, asked_of_point, threads=False)[0]
