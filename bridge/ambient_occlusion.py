@@ -98,7 +98,7 @@ def darkened(image: bpy.types.Image, shade: Float32Array, strength: float) -> bp
 def _set_up(
     obj: bpy.types.Object, size: tuple[int, int], distance_mm: float
 ) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object, bpy.types.Image]]:
-    """A scene with nothing but a copy of the object, and the picture that it bakes into; all gone afterwards."""
+    """A scene with only a copy of the object, and the picture that it bakes into; both are removed afterwards."""
     copy, unit = _fine_copy(obj), mm_per_unit(bpy.context.scene)
     scene, world = bpy.data.scenes.new(_NAME), bpy.data.worlds.new(_NAME)
     material = bpy.data.materials.new(_NAME)

@@ -1,4 +1,4 @@
-"""What a material's colour comes from, read off its nodes."""
+"""The source of a material's colour, found in its nodes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Saving what is open as a .blend file, and finding out whether it is whole."""
+"""Saving the open file as .blend, and checking that it is complete."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _SEEK_TABLE_END = (0x8F92EAB1).to_bytes(4, "little")  # what a compressed file o
 def save_blend(path: Path) -> None:
     """Save a compressed copy.
 
-    Blender says nothing when a disk that is full takes only a part of a compressed file; its last bytes tell.
+    Blender does not report that a full disk has cut a compressed file short; its last bytes show it.
 
     Raises:
         OutputError: the file cannot be written, or is not whole; what there is of it is removed.

@@ -1,4 +1,4 @@
-"""Objects that are drawn as bounds though no strands stand in their place get back what they looked like.
+"""Restores the looks of objects that are drawn as bounds although no strands stand in their place.
 
 They are copies of an object that was printed, or their strands have been deleted by hand.
 """
@@ -13,7 +13,7 @@ _counted: dict[str, tuple[int, int]] = {}
 
 
 def give_back_looks() -> None:
-    """Look at all objects of the file and mend those."""
+    """Find such objects in the file and restore them."""
     sources = [held.get(SOURCE_KEY) for held in bpy.data.collections]
     sources = [held for held in sources if isinstance(held, bpy.types.Object) and is_print_shown(held)]
     printed = {each for source in sources for each in (source, *companions_of(source))}
@@ -24,7 +24,7 @@ def give_back_looks() -> None:
 
 @bpy.app.handlers.persistent
 def _after_update(*_: object) -> None:
-    """Copying and deleting change the number of objects; nothing is looked at after other changes, such as strokes."""
+    """Called after every change; only a changed number of objects, by copying or deleting, is looked into."""
     count = len(bpy.data.objects), len(bpy.data.collections)
     if _counted.get("objects") != count:
         _counted["objects"] = count
@@ -32,11 +32,11 @@ def _after_update(*_: object) -> None:
 
 
 def register() -> None:
-    """Look after each change of the number of objects."""
+    """Start watching the number of objects."""
     bpy.app.handlers.depsgraph_update_post.append(_after_update)
 
 
 def unregister() -> None:
-    """Look no more."""
+    """Stop watching."""
     bpy.app.handlers.depsgraph_update_post.remove(_after_update)
     _counted.clear()

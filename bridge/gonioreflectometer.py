@@ -1,4 +1,4 @@
-"""The virtual gonioreflectometer: a calibration tile printed in the computer and read (paper, section 6.1)."""
+"""The virtual gonioreflectometer: a calibration tile printed in simulation and read (paper, section 6.1)."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def measure(slant_deg: float, block: str, settings: PrintSettings, light: str = 
 
 
 def about(settings: PrintSettings, light: str = "even") -> About:
-    """What readings that are taken now hold for."""
+    """What readings taken now are valid for."""
     source = f"Blender {bpy.app.version_string}, {'even light' if light == 'even' else 'a lamp'}"
     return About(tone_settings(settings), dict(REFLECTANCE), source)
 
@@ -82,7 +82,7 @@ def read_tile(
 
 
 def bare(settings: PrintSettings) -> PrintSettings:
-    """The settings without what stands beside the object."""
+    """The settings without tower, skirt and everything else beside the object."""
     return settings.changed(
         {"tower_type": "none", "skirts": 0, "brim_width": 0.0, "raft_layers": 0, "ooze_shield": False,
          "support_enable": False, "center_on_bed": True}

@@ -43,7 +43,7 @@ def load_image(path: Path) -> bpy.types.Image:
 
 
 def picture_tone(path: Path) -> ToneImage:
-    """The tone of a picture file, the way up that its camera tells; Blender itself shows pictures as they are stored.
+    """The tone of a picture file, turned by its EXIF orientation; Blender itself shows pictures as they are stored.
 
     Raises:
         TextureError: the file is missing, not a picture, or one of absurd size.
@@ -123,7 +123,7 @@ def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
 
 
 def _texels_undecoded(image: bpy.types.Image) -> int:
-    """Texels that the head of an image's file claims, 0 where it does not tell."""
+    """Number of texels according to the head of an image's file, 0 if it does not say."""
     if image.packed_file:
         return texels(BytesIO(image.packed_file.data))
     with suppress(OSError):  # a missing file has no texels

@@ -132,7 +132,7 @@ class Stand:
 
 @contextmanager
 def mounted(moves: Moves, settings: PrintSettings, face: Face, light: str = "even") -> Iterator[Stand]:
-    """A print set up before the camera, in a scene of its own that is gone afterwards; nothing else is changed.
+    """A print set up before the camera, in a scene of its own that is removed afterwards; nothing else is changed.
 
     Only the object itself is: tower, skirt and supports are left out.
 
@@ -210,7 +210,7 @@ def _add_light(scene: bpy.types.Scene, face: Face, light: str) -> None:
 
 
 def _set_output(scene: bpy.types.Scene) -> None:
-    """Linear numbers as they are: no tone mapping, no denoiser, no more samples here than there."""
+    """Plain linear values: no tone mapping, no denoiser, the same number of samples everywhere."""
     render = scene.render
     render.engine, render.resolution_percentage = "CYCLES", 100
     render.film_transparent, render.use_persistent_data = True, True
@@ -237,7 +237,7 @@ def _set_samples(scene: bpy.types.Scene, samples: int, seed: int) -> None:
 
 
 def _developed(scene: bpy.types.Scene) -> Float32Array:
-    """(H, W) what the camera sees; Blender hands float pictures out only by way of a file."""
+    """(H, W) the rendered picture; Blender gives float pictures only by way of a file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.exr"
         scene.render.filepath = str(path)
@@ -255,7 +255,7 @@ def _developed(scene: bpy.types.Scene) -> Float32Array:
 
 
 def _matrix(axes: FloatArray, place: FloatArray) -> Matrix:
-    """What puts an object at a place with the rows of `axes` for its axes x, y, z."""
+    """The matrix of an object at a place, with the rows of `axes` as its axes x, y, z."""
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = axes.T, place
     return Matrix(matrix.tolist())

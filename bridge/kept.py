@@ -1,4 +1,4 @@
-"""What objects keep as JSON; a file of others, or of another version of the program, may hold anything in its place."""
+"""JSON texts kept with objects; files from elsewhere, or from another version of the program, may hold anything."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Kept = TypeVar("Kept", dict, list)
 
 
 def kept_json(text: object, nothing: Kept, needed: Iterable[str] = ()) -> Kept:
-    """The value of a JSON text; `nothing` for no text, one of another kind, or one in which a needed name lacks."""
+    """The value of a JSON text; `nothing` if there is none, of another kind, or without one of the names needed."""
     try:
         value = json.loads(text) if isinstance(text, str) and text else nothing
     except (ValueError, RecursionError):

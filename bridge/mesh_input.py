@@ -100,7 +100,7 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
 
 
 def _notes(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[str, ...]:
-    """What is seen of an object and is not part of its mesh."""
+    """Warnings about parts that are visible on an object but not in its mesh."""
     if obj.evaluated_get(depsgraph).evaluated_geometry().instances_pointcloud() is None:
         return ()
     return (f"instances on {obj.name} are not printed: use Geometry Nodes' Realize Instances",)
@@ -159,7 +159,7 @@ def world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float)
 
 
 def _material_colours(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[BaseColour]:
-    """One entry a material slot, at least one."""
+    """One entry per material slot, at least one."""
     slots = printed_materials(obj) or list(mesh.materials)
     return [base_colour(material) for material in slots] or [BaseColour()]
 
@@ -187,7 +187,7 @@ def _textures(colours: list[BaseColour], slot: IntArray) -> tuple[tuple[ToneImag
 def _corner_uv(
     mesh: bpy.types.Mesh, name: str, corners: _Corners, colours: list[BaseColour], slot: IntArray
 ) -> FloatArray | None:
-    """(C, 2) from the UV map by which each material's picture is seen; None if there is none."""
+    """(C, 2) from the UV map with which each material's picture is displayed; None if there is none."""
     if not mesh.uv_layers:
         pictured = next((colour.image for colour in colours if colour.image), None)
         if pictured:
@@ -212,7 +212,7 @@ def _layer_uv(layer: bpy.types.MeshUVLoopLayer) -> FloatArray:
 def _corner_tone(
     mesh: bpy.types.Mesh, corners: _Corners, colours: list[BaseColour], slot: IntArray, background: float
 ) -> FloatArray | None:
-    """(C,) tone where no picture gives it, NaN elsewhere; None where all is left to pictures and background.
+    """(C,) tone of corners without a picture, NaN elsewhere; None if only pictures and background give tones.
 
     Without a picture on the object that is the active colour attribute. Beside materials with a picture, plain
     ones show their own colour.

@@ -1,4 +1,4 @@
-"""What would go wrong when a mesh is printed, found and as far as possible mended."""
+"""Finds faults of a mesh that would spoil its print, and repairs them as far as possible."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LIFT = 1e-3
 
 @dataclass
 class Findings:
-    """Indices of what is wrong.
+    """Indices of faulty edges and faces.
 
     Attributes:
         open_edges: edges that bound a hole, or hang loose.
@@ -55,7 +55,7 @@ TITLES = {
 
 
 def check_steps(obj: bpy.types.Object, least_wall_mm: float) -> Generator[float, None, Findings]:
-    """Look for what would go wrong; yields the share that is done.
+    """Look for faults; yields the share done.
 
     Args:
         obj: a mesh object; modifiers are not looked at, since what they make cannot be selected.
@@ -99,7 +99,7 @@ def select(obj: bpy.types.Object, kind: str, found: Findings) -> None:
 
 
 def repair(obj: bpy.types.Object, merge_mm: float, largest_hole_sides: int) -> str:
-    """Merge vertices, drop what is flat or loose, fill holes and turn faces outwards; says what was done.
+    """Merge vertices, drop flat and loose parts, fill holes, turn faces outwards; returns a sentence on what was done.
 
     Args:
         obj: a mesh object in Object Mode.
@@ -157,7 +157,7 @@ def _crossing(mesh: bmesh.types.BMesh, tree: BVHTree) -> list[int]:
 def _look_for_thin_walls(
     mesh: bmesh.types.BMesh, tree: BVHTree, least: float, flat: Iterable[int], thin: list[int]
 ) -> Generator[float, None, None]:
-    """Shoot from the middle of every face inwards; what is hit too soon, from inside, is a thin wall."""
+    """Cast a ray inwards from the middle of every face; a wall that it hits too soon, from inside, is thin."""
     for face in mesh.faces:
         if face.index % _CHUNK == _CHUNK - 1:
             yield 0.4 + 0.6 * face.index / len(mesh.faces)

@@ -1,4 +1,4 @@
-"""What the analysis found, shown on the object: a collection of coloured curves, marks and faces."""
+"""The results of the analysis on the object: a collection of coloured curves, marks and faces."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def overlays_of(source: bpy.types.Object) -> bpy.types.Collection | None:
 
 
 def remove_analysis(source: bpy.types.Object) -> bool:
-    """Take the analysis of an object away; False if there was none."""
+    """Remove the analysis of an object; False if there was none."""
     source.pop(REPORT_KEY, None)
     collection = overlays_of(source)
     if collection is None:
@@ -149,7 +149,7 @@ def _curve_object(
 
 
 def _mark_object(name: str, colour: Rgb, points: FloatArray, unit: float) -> bpy.types.Object | None:
-    """Octahedra, which any drawing of the viewport shows."""
+    """Octahedra, which every display mode of the viewport shows."""
     corners = (points[:, None] + _MARK_MM * _OCTAHEDRON).reshape(-1, 3)
     faces = _OCTAHEDRON_FACES + len(_OCTAHEDRON) * np.arange(len(points))[:, None, None]
     return _mesh_object(name, colour, corners / unit, faces.reshape(-1, 3))
@@ -178,7 +178,7 @@ def _object(name: str, colour: Rgb, data: bpy.types.ID) -> bpy.types.Object:
 
 
 def _paint(name: str, linear: tuple[float, ...]) -> bpy.types.Material:
-    """A material that shines by itself, so that shade does not change its colour."""
+    """An emissive material, so that shading does not change its colour."""
     name = f"Overlay {name}"
     material = bpy.data.materials.get(name)
     if material:

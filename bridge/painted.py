@@ -15,7 +15,7 @@ _TONE = "tone"
 
 
 def painted_model(model: SurfaceModel, background: float, scale: float) -> bpy.types.Object:
-    """A mesh whose surface has the tone that is to be printed, between the reflectances of both filaments.
+    """A mesh whose surface has the tones to be printed, as reflectances between those of both filaments.
 
     The object is not linked to any collection yet; it stands where the model stands.
 

@@ -105,7 +105,7 @@ def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bp
 def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
     """Side of a square picture, a power of two, whose texels are no larger than `texel_mm` on the surface.
 
-    What the printer has no room for is taken as large as it can be printed: the cube of a new scene is two metres wide.
+    Objects too large for the printer count as large as it can print: the cube of a new scene is two metres wide.
     """
     mesh = obj.data
     mesh.calc_loop_triangles()
@@ -178,7 +178,7 @@ def _show_in_new_material(obj: bpy.types.Object, image: bpy.types.Image) -> None
 
 
 def _take_black(paint: bpy.types.ImagePaint) -> None:
-    """Paint black, whether the brushes have a colour each or, as is usual, one for all."""
+    """Set the brush colour to black, whether brushes have a colour each or, as usual, one for all."""
     # Before Blender 5 all painting modes shared one.
     shared = getattr(paint, "unified_paint_settings", None) or bpy.context.tool_settings.unified_paint_settings
     for holder in filter(None, (paint.brush, shared)):
@@ -186,7 +186,7 @@ def _take_black(paint: bpy.types.ImagePaint) -> None:
 
 
 def _palette() -> bpy.types.Palette:
-    """Greys from the black filament to the white one, in equal steps for the eye."""
+    """Greys from the black filament to the white one, in perceptually equal steps."""
     palette = bpy.data.palettes.get(PALETTE)
     if palette is None:
         palette = bpy.data.palettes.new(PALETTE)

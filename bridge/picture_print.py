@@ -15,11 +15,11 @@ from .instrument import Face, photograph
 
 @dataclass(frozen=True)
 class PicturePrint:
-    """A plate as it will look.
+    """The predicted print of a plate.
 
     Attributes:
         result: the print.
-        photograph: (H, W) linear reflectance of its front, row 0 at the top, NaN where nothing is.
+        photograph: (H, W) linear reflectance of its front, row 0 at the top, NaN where there is nothing.
         match: of photograph and picture.
         painted: (H, W) the picture with the background's tone where it is not painted, row 0 at the bottom.
     """

@@ -18,7 +18,7 @@ from .support_marks import support_volume, volume_objects
 
 
 def objects_to_print(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The active object, then all other selected meshes but those that only enforce or block supports.
+    """The active object, then all other selected meshes except those that only enforce or block supports.
 
     Strands stand for what they were made from.
     """
@@ -34,7 +34,7 @@ def objects_to_print(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def check_present(objects: Sequence[bpy.types.Object]) -> None:
-    """See whether objects that a long job has read are still there.
+    """Check that objects that a long job has read still exist.
 
     Raises:
         MeshError: there are none, or one of them is gone.

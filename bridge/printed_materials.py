@@ -1,4 +1,4 @@
-"""The materials that an object is printed with, whatever it is shown with meanwhile."""
+"""The materials that an object is printed with, even while the soft proof covers them."""
 
 from __future__ import annotations
 

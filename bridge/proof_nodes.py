@@ -1,9 +1,9 @@
 """The nodes of the soft proof: a material that shows a texture as it will print, while it is painted.
 
-All is worked out where the surface is drawn, so a stroke is seen as soon as the picture has it. The picture is read at
-places that lie evenly in a window on the surface, along the layers and across them. How its UVs run over the surface is
-learned from two Bump nodes, whose height is U and V: their normals tilt by just the gradient of the height. So nothing
-has to be stored with the mesh, and unwrapping, scaling and turning the object are followed at once.
+Everything is computed where the surface is drawn, so a stroke shows at once. The picture is sampled at evenly spaced
+places in a window on the surface, along the layers and across them. The gradients of its UVs on the surface come from
+two Bump nodes, whose height is U and V: their normals tilt by exactly the gradient of the height. So nothing has to be
+stored with the mesh, and the proof follows unwrapping, scaling and turning of the object at once.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ Socket = bpy.types.NodeSocket
 
 @dataclass(frozen=True)
 class Paint:
-    """What a proof is made of: where the tone comes from, and whether the picture is repeated."""
+    """Where the tone of a proof comes from, and whether its picture is repeated."""
 
     source: BaseColour
     repeats: bool

@@ -40,7 +40,7 @@ def proof_picture(obj: bpy.types.Object, face: Face, mm_per_pixel: float, sample
 
 
 def _shining(proof: bpy.types.Material) -> bpy.types.Material:
-    """The same material, its colour not lit but shining by itself."""
+    """The same material with its colour as emission instead of lit."""
     made = proof.copy()
     nodes, links = made.node_tree.nodes, made.node_tree.links
     shine = nodes.new("ShaderNodeEmission")

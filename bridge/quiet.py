@@ -13,7 +13,7 @@ STDOUT, STDERR = 1, 2
 
 @contextmanager
 def quiet_stdout() -> Iterator[None]:
-    """Send what is written to the process's standard output nowhere while the block runs.
+    """Discard what is written to the process's standard output while the block runs.
 
     Importers and the renderer write there from C, so the file descriptor itself is turned away; reports of operators
     come through Python's `sys.stdout`, which need not be the same.
@@ -24,7 +24,7 @@ def quiet_stdout() -> Iterator[None]:
 
 @contextmanager
 def quiet_stderr() -> Iterator[None]:
-    """Send what C writes to the process's standard error nowhere; for short blocks whose failures are told by us."""
+    """Discard what C writes to the process's standard error; for short blocks whose failures we report ourselves."""
     with _turned_away(STDERR):
         yield
 

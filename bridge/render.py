@@ -1,4 +1,4 @@
-"""Cycles pictures of the predicted print, taken in a small studio that is gone afterwards."""
+"""Cycles pictures of the predicted print, taken in a small studio that is removed afterwards."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def photographer(
     background: float = 0.5,
     in_window: bool = False,
 ) -> Iterator[Photographer]:
-    """The strands of a preview set up in a scene of their own that is gone afterwards; nothing else is changed.
+    """The strands of a preview set up in a scene of their own that is removed afterwards; nothing else is changed.
 
     Args:
         collection: made by `build_preview`.
@@ -240,7 +240,7 @@ def _device() -> str:
 
 @contextmanager
 def leaving_no_trace() -> Iterator[None]:
-    """Remove every datablock that comes into being inside, unless Blender is closed while it renders them."""
+    """Remove every datablock that is created inside, unless Blender is closed while it renders them."""
     kinds = ("scenes", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials", "images")
     before = {kind: set(getattr(bpy.data, kind)) for kind in kinds}
     try:

@@ -1,4 +1,4 @@
-"""The finished prints of this session, so that an export need not compute again what has not changed."""
+"""The finished prints of this session, so that an export does not compute again what has not changed."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def stages_of(obj: bpy.types.Object) -> StageCache:
 
 
 def forget_all() -> None:
-    """Free the memory; what is asked for later is computed again."""
+    """Free the memory; prints needed later are computed again."""
     _kept.clear()
     _stages.clear()
 

@@ -1,4 +1,4 @@
-"""Where seams of the pattern are seen: painted as weights of a vertex group, or as an image."""
+"""Where seams of the pattern are visible: painted as weights of a vertex group, or as an image."""
 
 from __future__ import annotations
 
@@ -59,6 +59,6 @@ def _weights(mesh: bpy.types.Mesh, group: int) -> FloatArray:
 
 
 def visibility_names(group: bpy.types.PropertyGroup, _context: bpy.types.Context, _typed: str) -> list[str]:
-    """What the sidebar proposes: the object's vertex groups, then all images."""
+    """Names that the sidebar proposes: the object's vertex groups, then all images."""
     groups = getattr(group.id_data, "vertex_groups", ())
     return [*(found.name for found in groups), *(image.name for image in bpy.data.images if all(image.size))]

@@ -2,7 +2,7 @@
 
 Proof materials are laid over the object's own by way of its material slots, which hold one for the mesh and one for the
 object: the own materials, the mesh and its attributes are not touched, and other objects with the same mesh keep their
-looks. What a slot held before stands in the proof material itself, so a file that is saved meanwhile knows it too.
+looks. What a slot held before is stored in the proof material itself, so it survives saving the file.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def is_proofed(obj: bpy.types.Object) -> bool:
 
 
 def show_proof(obj: bpy.types.Object, settings: PrintSettings) -> None:
-    """Show a mesh object as it will print; if it is shown so already, by what it is painted with now.
+    """Show a mesh object as it will print; an existing proof is updated to its present paint.
 
     Raises:
         PrintError: it has no surface, a picture is missing or has no UV map, or the tone table cannot be read.
@@ -105,7 +105,7 @@ def follow_paint(obj: bpy.types.Object, settings: PrintSettings) -> None:
 
 
 def proof_notes(obj: bpy.types.Object) -> list[str]:
-    """What is to be said about an object's proof."""
+    """Notes about an object's proof."""
     images = filter(None, map(_response, _proofs(obj)))
     return [str(note) for image in images for note in image.get(_NOTES_KEY, ())][:3]
 

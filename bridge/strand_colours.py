@@ -1,4 +1,4 @@
-"""Colours of the strands of a preview by what their attributes say, and the legends of these colours."""
+"""Colours of the strands of a preview by their attributes, and the legends of these colours."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Colour = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Legend:
-    """What colours mean: a colour for each of some whole numbers, or a ramp.
+    """The meaning of colours: one colour for each of some whole numbers, or a ramp.
 
     Attributes:
         title: as the user knows it.
@@ -63,7 +63,7 @@ LEGENDS = {
 
 
 def legend_of(colour_by: str) -> list[tuple[str, Colour]]:
-    """Text and colour of each line of a legend; what is never extruded is left out."""
+    """Text and colour of each line of a legend, without features that are never extruded."""
     if colour_by not in LEGENDS:
         return []
     entries = list(LEGENDS[colour_by].entries)

@@ -7,7 +7,7 @@ import bpy
 MM_PER_METRE = 1000.0
 
 LENGTH_DIGITS = 4
-"""Precision of a length property: of what has a unit Blender shows so many digits, not decimals."""
+"""Precision of a length property: for properties with a unit Blender takes it as digits, not decimals."""
 
 
 def mm_per_unit(scene: bpy.types.Scene) -> float:

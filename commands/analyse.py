@@ -1,4 +1,4 @@
-"""`dualcolor analyse`: what will be seen of the pattern's seams, without printing anything."""
+"""`dualcolor analyse`: shows the pattern's seams, tracelines and slopes without printing anything."""
 
 from __future__ import annotations
 

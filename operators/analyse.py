@@ -1,4 +1,4 @@
-"""Analyse Pattern, and take its overlays away."""
+"""Analyse Pattern, and remove its overlays."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class DUALCOLOR_OT_analyse(JobOperator, bpy.types.Operator):
 
 
 class DUALCOLOR_OT_remove_analysis(bpy.types.Operator):
-    """Take the overlays of the analysis away"""
+    """Remove the overlays of the analysis"""
 
     bl_idname = "dualcolor.remove_analysis"
     bl_label = "Remove Analysis"

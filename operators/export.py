@@ -16,7 +16,7 @@ from .polls import has_printable
 
 
 class FileExport(JobOperator, ExportHelper):
-    """What both exports share; the class says the suffix, the writer and the report's entry."""
+    """What both exports share; the class gives the suffix, the writer and the report's entry."""
 
     kind = ""
 
@@ -47,7 +47,7 @@ WRITERS = {"gcode": export_gcode, "x3g": export_x3g}
 
 
 class DUALCOLOR_OT_export_gcode(FileExport, bpy.types.Operator):
-    """Write the toolpath of the object as it is now, generated anew if anything has changed since the last time"""
+    """Write the toolpath of the object as it is now; it is generated again if anything has changed"""
 
     bl_idname = "dualcolor.export_gcode"
     bl_label = "Export Replicator 2X G-code"
@@ -58,7 +58,7 @@ class DUALCOLOR_OT_export_gcode(FileExport, bpy.types.Operator):
 
 
 class DUALCOLOR_OT_export_x3g(FileExport, bpy.types.Operator):
-    """Write the X3G file that the printer reads from its card, generated anew if anything has changed"""
+    """Write the X3G file that the printer reads from its card; it is generated again if anything has changed"""
 
     bl_idname = "dualcolor.export_x3g"
     bl_label = "Export Replicator 2X X3G"

@@ -68,7 +68,7 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
 
 
 def with_warnings(message: str, result: DualColorPrint) -> str:
-    """A message about a print that also tells of its warnings: only the last one stays in sight."""
+    """A message about a print that mentions its warnings too, since only the last message stays visible."""
     found = counted(len(result.warnings), "warning")
     return f"{message}; {found}, see the results in the sidebar" if result.warnings else message
 

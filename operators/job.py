@@ -1,4 +1,4 @@
-"""Long jobs: written once as a generator, drained by a script, advanced by a timer under the user's eyes."""
+"""Long jobs: written once as a generator; a script runs them at once, a timer step by step in the window."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Steps = Generator[Progress, None, str]
 
 @dataclass(frozen=True)
 class RunningJob:
-    """How far the job that is running has come, and whose it is: the operator's bl_idname."""
+    """Progress of the running job, and the bl_idname of its operator."""
 
     share: float
     stage: str
@@ -110,7 +110,7 @@ class JobOperator:
 
 
 def stop_job(context: bpy.types.Context) -> None:
-    """Stop the job that is running, if there is one: Blender does not tell it that the extension is disabled."""
+    """Stop the running job, if there is one: Blender does not notify it when the extension is disabled."""
     if JobOperator._current:
         JobOperator._current.cancel(context)
 

@@ -1,4 +1,4 @@
-"""Suggest Orientation, and turn the object into one of them."""
+"""Suggest Orientation, and turn the object into a suggested one."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class DUALCOLOR_OT_suggest_orientation(JobOperator, bpy.types.Operator):
 
 
 class DUALCOLOR_OT_apply_orientation(bpy.types.Operator):
-    """Turn the object so; it stays on its height and about its place"""
+    """Turn the object this way up, about its middle; its lowest point keeps its height"""
 
     bl_idname = "dualcolor.apply_orientation"
     bl_label = "Turn"

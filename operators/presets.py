@@ -30,7 +30,7 @@ _KIND_ITEMS = [(kind, kind.title(), "") for kind in KINDS]
 
 
 class _SettingsOperator:
-    """What operators on an object's settings have in common: `apply` does it and says in a sentence what it did."""
+    """What operators on an object's settings have in common: `apply` does it and returns a sentence on what it did."""
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

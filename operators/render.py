@@ -82,7 +82,7 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy
     whole_plate: bpy.props.BoolProperty(name="Whole Plate", description="Show the cleaning tower and the skirt too")
 
     def draw(self, _context: bpy.types.Context) -> None:
-        """The views below each other: beside each other their names are cut off."""
+        """The views in a column, since in a row their names would be cut off."""
         layout = self.layout
         layout.use_property_split = True
         for name in ("width", "height", "samples", "azimuth", "distance", "contact_sheet", "whole_plate"):
@@ -91,11 +91,11 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy
 
     @property
     def _in_window(self) -> bool:
-        """Whether the user has asked, rather than a script."""
+        """Whether it was started by the user rather than by a script."""
         return self.options.is_invoke and not bpy.app.background
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Render: beside the window if the user has asked in it, while a script waits for the files."""
+        """Render: in the background if the user started it; a script waits for the files."""
         if self._in_window:
             return JobOperator.invoke(self, context, None)
         return JobOperator.execute(self, context)

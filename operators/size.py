@@ -16,7 +16,7 @@ _USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0
 
 
 class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
-    """Scale the object evenly until it is as high as it is to be printed"""
+    """Scale the object evenly to the height that it is to be printed with"""
 
     bl_idname = "dualcolor.scale_to_height"
     bl_label = "Scale to Height"

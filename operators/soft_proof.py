@@ -13,8 +13,8 @@ from .polls import has_own_mesh
 
 
 class DUALCOLOR_OT_soft_proof(bpy.types.Operator):
-    """Show the picture as it will print, also while it is painted: as fine as the print, in the tones that walls of \
-its slope can show, striped where it is too flat for tones. Again, the object is shown as it was"""
+    """Show the picture as it will print, even while it is painted: with the detail of the print, in tones that walls \
+of that slope can show, striped where it is too flat for tones. Press again to see the object as it was"""
 
     bl_idname = "dualcolor.soft_proof"
     bl_label = "Soft Proof"

@@ -32,7 +32,7 @@ class _EditMode:
 
 
 class DUALCOLOR_OT_mark_support(_EditMode, bpy.types.Operator):
-    """Say where the overhangs of the selected faces get supports, and where they get none"""
+    """Enforce or block supports under the overhangs of the selected faces"""
 
     bl_idname = "dualcolor.mark_support"
     bl_label = "Mark Selected Faces for Supports"

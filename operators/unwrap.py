@@ -90,7 +90,7 @@ class DUALCOLOR_OT_unwrap_xatlas(JobOperator, bpy.types.Operator):
 
 
 class DUALCOLOR_OT_unwrap_smart(bpy.types.Operator):
-    """Make a new UV map of many small charts, at once; the old UV maps are kept"""
+    """Make a new UV map of many small charts, without waiting; the old UV maps are kept"""
 
     bl_idname = "dualcolor.unwrap_smart"
     bl_label = "Smart UV Project"

@@ -1,4 +1,4 @@
-"""The panels Analysis and Orientation: what was found, and what its colours mean."""
+"""The panels Analysis and Orientation: findings, and the legend of their colours."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def analysis_figures(report: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _draw_histogram(layout: bpy.types.UILayout, pattern: dict[str, Any]) -> None:
-    """A bar for each class of errors, as long as the square root of its share, for the rare ones matter."""
+    """A bar for each class of errors, as long as the square root of its share, since the rare ones matter."""
     counts, edges = pattern["histogram"]["counts"], pattern["histogram"]["edges"]
     total = max(sum(counts), 1)
     column = layout.column(align=True)

@@ -21,7 +21,7 @@ from .tab import ObjectPanel, order_of
 
 
 class DUALCOLOR_PT_calibrate(ObjectPanel, bpy.types.Panel):
-    """From the tone asked for to the tone seen, by simulation or by a print of one's own."""
+    """Calibration of tones, by simulation or by a print of your own."""
 
     bl_label = CALIBRATE.title
     bl_order = order_of("calibrate")
@@ -39,7 +39,7 @@ class DUALCOLOR_PT_calibrate(ObjectPanel, bpy.types.Panel):
 
 
 def table_words(obj: bpy.types.Object) -> list[tuple[str, str]]:
-    """What there is to say about the tone table of an object: sentences and their icons."""
+    """Notes about the tone table of an object: sentences and their icons."""
     if is_calibration_tile(obj):
         return [("The tile prints its tones as they are, whatever they look like", "INFO")]
     try:

@@ -1,4 +1,4 @@
-"""Which settings stand under which heading of the sidebar, in their order. Every setting stands under exactly one."""
+"""Which settings are shown in which panel of the sidebar, in their order; every setting in exactly one."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class Section:
         title: the heading.
         settings: names of the settings, from the top.
         stage: key of the stage that it folds away under; empty for what a stage itself shows.
-        switch: a setting that stands in the heading, since without it the others do nothing.
+        switch: a setting shown in the heading, since without it the others do nothing.
     """
 
     key: str
