@@ -141,6 +141,17 @@ def show_print(source: bpy.types.Object, shown: bool) -> None:
     for printed in (source, *companions):
         show_bounds(printed, shown)
     collection.hide_viewport = collection.hide_render = not shown
+    if shown:
+        _unhide(collection, bpy.context.view_layer.layer_collection)
+
+
+def _unhide(collection: bpy.types.Collection, within: bpy.types.LayerCollection) -> bool:
+    """Show a collection that was hidden or excluded in the outliner, and those that it is in; whether it is there."""
+    found = within.collection == collection or any(_unhide(collection, inner) for inner in within.children)
+    for hidden in ("exclude", "hide_viewport"):
+        if found and getattr(within, hidden):
+            setattr(within, hidden, False)
+    return found
 
 
 def show_bounds(obj: bpy.types.Object, shown: bool) -> None:

@@ -114,6 +114,29 @@ def test_the_view_goes_back_and_forth(cube):
     assert preview_of(cube).hide_render
 
 
+@pytest.mark.parametrize("hidden", ["exclude", "hide_viewport"])
+def test_strands_whose_collection_was_hidden_in_the_outliner_are_seen_again(cube, hidden):
+    """By its eye or its tick: otherwise nothing but bounds would be left of the object."""
+    outer = bpy.data.collections.new("Outer")
+    bpy.context.scene.collection.children.link(outer)
+    collection = build_preview(square_print(), cube)
+    bpy.context.scene.collection.children.unlink(collection)
+    outer.children.link(collection)
+    for layer in (
+        bpy.context.view_layer.layer_collection.children["Outer"],
+        bpy.context.view_layer.layer_collection.children["Outer"].children[collection.name],
+    ):
+        setattr(layer, hidden, True)
+        assert not any(strand.visible_get() for strand in collection.objects)
+        build_preview(square_print(), cube)
+        assert all(strand.visible_get() for strand in collection.objects)
+        setattr(layer, hidden, True)
+        show_print(cube, False)
+        show_print(cube, True)
+        bpy.context.view_layer.update()
+        assert all(strand.visible_get() for strand in collection.objects)
+
+
 def test_strands_lead_back_to_their_source(cube):
     collection = build_preview(square_print(), cube)
     assert source_of(collection.objects[0]) == cube
