@@ -77,7 +77,7 @@ def _looked_up(to_print: FloatArray, slants: FloatArray, tone: FloatArray, slant
         slant_deg: (N,) of the surface.
     """
     fine = np.arange(slants[0], slants[-1] + _SLANT_STEP, _SLANT_STEP)
-    flat = (slope_shares(slants, fine) @ to_print).ravel()
+    flat = np.einsum("fs,sl->fl", slope_shares(slants, fine), to_print).ravel()
     rise = np.diff(flat, append=flat[-1])
     printed = np.empty_like(tone)
     for begin in range(0, len(tone), CHUNK_ROWS):

@@ -76,10 +76,10 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
     reach, long = len(kernel) // 2, values.shape[-1]
     # Near the ends of a loop the plain convolution mixes in other loops; these values are computed again, cyclically.
     around = start[:-1, None] + np.arange(-2 * reach, 2 * reach) % np.diff(start)[:, None]
-    ends, lag = around[:, reach : 3 * reach], np.subtract.outer(np.arange(4 * reach), np.arange(2 * reach))
-    weight = np.where((lag >= 0) & (lag <= 2 * reach), kernel.take(lag, mode="clip"), 0.0)
     smooth = np.empty_like(values)
     for row, low_passed in zip(np.atleast_2d(values), np.atleast_2d(smooth), strict=True):
         low_passed[:] = np.convolve(row, kernel)[reach : reach + long]
-        low_passed[ends] = row.take(around) @ weight
+        near = row.take(around)
+        shifted = (weight * near[:, lag : lag + 2 * reach] for lag, weight in enumerate(kernel.tolist()))
+        low_passed[around[:, reach : 3 * reach]] = sum(shifted)
     return smooth

@@ -80,7 +80,7 @@ def _near_pairs(tails: FloatArray, heads: FloatArray, layer: IntArray) -> tuple[
     axes = [_OBLIQUE, _OBLIQUE[::-1] * [-1, 1]]
     (low, high), (left, right) = (
         (np.minimum(one, other), np.maximum(one, other))
-        for one, other in ((tails @ axis, heads @ axis) for axis in axes)
+        for one, other in ((np.einsum("ij,j->i", ends, axis) for ends in (tails, heads)) for axis in axes)
     )
     pitch = layer * (np.ptp(np.append(low, high)) + 1) if len(layer) else layer
     low, high = low + pitch, high + pitch

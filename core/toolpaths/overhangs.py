@@ -71,7 +71,7 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
         return None
     rise = float(np.diff(plane).max(initial=0.0))
     x, y, z = mesh.area_normals.T
-    is_inside_out = float(z @ mesh.vertices[:, 2].take(mesh.faces[:, 0])) < 0
+    is_inside_out = (z * mesh.vertices[:, 2].take(mesh.faces[:, 0])).sum() < 0
     flat = (z * rise) ** 2 > settings.extrusion_width**2 * (x * x + y * y)
     flat &= (z > 0) if is_inside_out else (z < 0)
     corners = mesh.vertices.T.take(mesh.faces[flat].T, axis=1)
