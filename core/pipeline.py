@@ -54,7 +54,7 @@ def generate(
     on_progress: Callable[[float, str], None] | None = None,
     cache: StageCache | None = None,
 ) -> DualColorPrint:
-    """Run the whole job; `on_progress` is told the share done and the stage, `cache` keeps stages for the next run.
+    """Run the whole job; `on_progress` is called with share done and stage, `cache` keeps results for the next run.
 
     Raises:
         PrintError: the input cannot be printed.

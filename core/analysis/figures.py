@@ -33,7 +33,7 @@ from .surface_curves import (
 def heatmap(found: Analysis, view: tuple[float, float], pixels: int = 900) -> Picture:
     """Seams on the object: transparent, then green from 0.05, orange 1.5, red 3.0, purple 4.0.
 
-    Places that were not compared, because nothing lies above them, are blue; those without room for the wave pink.
+    Places that were not compared, because nothing lies above them, are blue; places without room for the wave are pink.
 
     Raises:
         PrintError: the pattern has no waves.

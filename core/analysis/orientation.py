@@ -30,7 +30,7 @@ class Orientation:
     """One way to stand the object on the bed.
 
     Attributes:
-        up: direction in the object as it stands now that is to point up; (0, 0, 1) is as it stands.
+        up: the object's direction that is to point up; (0, 0, 1) leaves it as it stands.
         contrast: share of the painted contrast that slopes can show, 1 if nothing is painted.
         support_mm2: area of overhangs that need support, seen from below.
         height_mm: of the object.
@@ -89,7 +89,7 @@ def suggested(mesh: TriangleMesh, paint: FaceContrast, settings: PrintSettings) 
 
 
 def directions(mesh: TriangleMesh, paint: FaceContrast) -> FloatArray:
-    """(D, 3) unit vectors to try as up, no two alike, the present one first.
+    """(D, 3) distinct unit vectors to try as up, the present one first.
 
     Those from the middle of a cube to its sides, edges and corners, the object's principal axes, and those that lay
     one of its large flat faces on the bed.

@@ -1,4 +1,4 @@
-"""The analysis of a model: the job's stages up to the pattern, then all that can be said about it."""
+"""The analysis of a model: the job's stages up to the pattern, then seams, tracelines, slopes and orientations."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _LEAST_SWING_MM = 0.05
 
 @dataclass(frozen=True)
 class Analysis:
-    """What was found.
+    """The findings of an analysis.
 
     Attributes:
         settings: as used.
@@ -42,7 +42,7 @@ class Analysis:
         samples: of the pattern; none for `offset`.
         errors: of the seams, None for `offset`.
         traced: tracelines, None for `offset`.
-        faded: (N,) share of wave and set-back that was lost for want of room.
+        faded: (N,) share of wave and set-back that was lost for lack of room.
         too_short: (M,) bool, contours that are too short for the pattern.
         paint: on the faces.
         orientations: the best one first.
@@ -68,7 +68,7 @@ class Analysis:
 def analyse(
     model: SurfaceModel, settings: PrintSettings, on_progress: Callable[[float, str], None] | None = None
 ) -> Analysis:
-    """Analyse a model; `on_progress` is told the share done and what comes next.
+    """Analyse a model; `on_progress` is called with the share done and the name of what comes next.
 
     Raises:
         PrintError: the input cannot be printed.
@@ -77,7 +77,7 @@ def analyse(
 
 
 def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Progress, None, Analysis]:
-    """The analysis as a generator: yields (share done, what comes next), returns what was found.
+    """The analysis as a generator: yields (share done, what comes next), returns the findings.
 
     Raises:
         PrintError: the input cannot be printed.

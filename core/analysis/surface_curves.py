@@ -1,4 +1,4 @@
-"""What the analysis shows on the object: curves on its surface, their classes and colours."""
+"""Curves on the object's surface that show the findings of an analysis, their classes and colours."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class SurfaceCurves:
     Attributes:
         points: (N, 3) mm.
         start: (K + 1,) int64.
-        value: (N,) what a colour is made from, such as the seam error.
+        value: (N,) value that the colour stands for, such as the seam error.
     """
 
     points: FloatArray
@@ -55,7 +55,7 @@ def heat_colours(error: FloatArray) -> FloatArray:
 
 
 def heat_class(error: FloatArray) -> IntArray:
-    """(N,) number of the stop that each error is nearest to; -1 below the first, which nobody sees."""
+    """(N,) number of the stop that each error is nearest to; -1 below the first, which is invisible."""
     middles = [(a + b) / 2 for a, b in pairwise(HEAT_STOPS)]
     return np.where(error < HEAT_STOPS[0], -1, np.searchsorted(middles, error, side="right"))
 
@@ -127,7 +127,7 @@ def sample_points(lines: Contours, plane: FloatArray, samples: Samples, chosen: 
 
 
 def faded_curves(lines: Contours, plane: FloatArray, faded: FloatArray) -> SurfaceCurves:
-    """Where the wave was faded for want of room; `faded` (N,) is the lost share at each contour point."""
+    """Where the wave was faded for lack of room; `faded` (N,) is the lost share at each contour point."""
     arc, loop = places(lines, PROBE_SPACING)
     value = faded[lines.locate(arc, loop)[0]]
     return stretches(lines, plane, arc, value > _LEAST_FADED, value)

@@ -1,1 +1,1 @@
-"""What lies behind the waved outline: straight walls, skins and sparse fill."""
+"""The inside of the waved outline: straight walls, gap fill, skins, bridges and sparse fill."""

@@ -1,4 +1,4 @@
-"""What closes the print above and below, which needs no tone: it is worked out while the picture is looked up."""
+"""Skins and bridges, which close the print above and below; they need no tone, so they are found beside the stages."""
 
 from __future__ import annotations
 

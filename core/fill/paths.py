@@ -1,4 +1,4 @@
-"""All that lies behind the waved outline, as paths: inner walls, skins and sparse fill."""
+"""Everything inside the waved outline as paths: inner walls, skins and sparse fill."""
 
 from __future__ import annotations
 

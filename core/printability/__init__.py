@@ -1,1 +1,1 @@
-"""What of the object will not print or not show: thin features, a small foot, flat slopes with contrast on them."""
+"""Parts of the object that will not print well or not show: thin features, a small foot, contrast on flat slopes."""

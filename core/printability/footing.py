@@ -1,4 +1,4 @@
-"""Whether the print stands and holds: slim objects on a small foot, and lines narrower than they are high."""
+"""Whether the print stands firmly and sticks: slim objects on a small foot, and lines narrower than high."""
 
 from __future__ import annotations
 

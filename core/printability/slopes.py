@@ -24,7 +24,7 @@ _ROUNDING_DEG = 1e-6
 
 @dataclass(frozen=True)
 class FaceContrast:
-    """What is painted on each of F faces.
+    """The painted contrast of each of F faces.
 
     Attributes:
         area: (F,) mm².
@@ -116,7 +116,7 @@ def slope_report(paint: FaceContrast) -> dict[str, float]:
 
 
 def slope_warnings(report: dict[str, float]) -> list[str]:
-    """What to do if much of the picture lies flat."""
+    """A warning if much of the picture lies on flat slopes."""
     lost = report["contrast_gone"]
     if lost < WARNED_SHARE:
         return []

@@ -55,7 +55,7 @@ def cycles(successor: IntArray, layer: IntArray) -> tuple[IntArray, IntArray]:
     late, begin = _steps_to_least(walks, chief), np.empty_like(first)
     begin[chief] = start[:-1]
     place = begin[first] + before - late[first]
-    order = np.empty(count + 1, dtype=np.int64)  # with a place for nobody
+    order = np.empty(count + 1, dtype=np.int64)  # with a dummy place at the end
     for number, (walker, members) in enumerate(walks.strides):
         step = _STRIDE * number + 1 + np.arange(_STRIDE)[:, None]
         at = place.take(walker) + step

@@ -1,4 +1,4 @@
-"""Layers with outlines that do not close: which of them a print can do without, and what is said about the others."""
+"""Layers with outlines that do not close: which of them a print can do without, and messages about the others."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _HINT = "fill its holes (in Blender: Prepare > Repair) or raise gap_closing_radi
 
 
 def check_open(open_layers: IntArray, polygon_layer: IntArray, stack: Layers) -> None:
-    """Refuse a mesh of which nothing closes, or nothing at the bottom, so that all of it would begin in the air.
+    """Refuse a mesh without closed outlines, or without any at the bottom, so that it would begin in the air.
 
     Args:
         open_layers: (K,) layers with an outline that does not close.

@@ -1,1 +1,1 @@
-"""The plastic as it lies: strands from moves, oval on material, rounder and sagging over air; as rods and as a mesh."""
+"""The extruded plastic: strands from moves, oval on material, rounder and sagging over air; as rods and as a mesh."""

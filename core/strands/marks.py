@@ -1,4 +1,4 @@
-"""What is known of every point of the strands beside its shape: for colours, and for showing a print move by move."""
+"""Attributes of every point of the strands: for colours, and for showing a print move by move."""
 
 from __future__ import annotations
 

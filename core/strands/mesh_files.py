@@ -104,5 +104,5 @@ def _same(text: str, times: int) -> WordArray:
 
 
 def _text(columns: Iterable[WordArray]) -> bytes:
-    """Rows of words as text; bytes that are 0 are none."""
+    """Rows of words as text, without zero bytes."""
     return np.stack(list(columns), axis=1).astype("<u4").tobytes().translate(None, b"\0")

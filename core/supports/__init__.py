@@ -1,1 +1,1 @@
-"""Supports: what holds up the overhangs while they are printed and is broken away afterwards."""
+"""Supports: columns that hold up overhangs during the print and are broken away afterwards."""

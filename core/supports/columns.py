@@ -43,7 +43,7 @@ def columns(needed: Contacts, taken: Shapes) -> Shapes:
 
 
 def _of_layers_above(areas: Shapes, layers: int) -> Shapes:
-    """(L,) the areas of each layer united with those of the layers above, so many in all."""
+    """(L,) the areas of each layer united with those of the layers above, `count` layers in all."""
     count = len(areas)
     rows = np.minimum(np.arange(count)[:, None] + np.arange(layers), count)
     window = np.append(areas, nothing(1))[rows]

@@ -1,4 +1,4 @@
-"""Where the user wishes supports, or none: marked faces and volumes as areas of each layer."""
+"""Where the user enforces or blocks supports: marked faces and volumes as areas of each layer."""
 
 from __future__ import annotations
 

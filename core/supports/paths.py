@@ -34,7 +34,7 @@ class Supports:
 
 
 def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray, settings: PrintSettings) -> Supports:
-    """Support all overhangs, as far as the user does not wish otherwise; or nothing without `support_enable`.
+    """Support all overhangs, except where the user blocks it; nothing without `support_enable`.
 
     Args:
         mesh: what was sliced, with the user's marks.

@@ -1,4 +1,4 @@
-"""Where supports must not be: the waved walls with some air around them."""
+"""Where supports must not be: at the waved walls, with some air around them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Columns that are too small: those not worth a support are dropped, the others made thick enough to stand."""
+"""Thin columns of support: those not worth printing are dropped, the others made thick enough to stand."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .overhangs import Contacts
 
 # Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
 _WORTHWHILE_MM2 = 3.0
-# The least thickness of a column, mm: the diameter of a round one; more where it is taller than so many times that.
+# Least thickness of a column, mm (the diameter of a round one), and the greatest ratio of height to thickness.
 _STABLE_MM = 4.0
 _SLENDERNESS = 12.0
 _GROWTH_STEP_MM = 0.25  # so that columns of about one height grow alike

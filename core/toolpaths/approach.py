@@ -35,7 +35,7 @@ class Approach:
         wipe: (K,) mm that the nozzle goes over the path before while the filament is pulled back.
         via: (K,) places that it passes on the way.
         hops: whether the nozzle is lifted on travels with retraction.
-        begins_pulled_back: whether the first path is primed, as the way to it is long and nothing shall drip there.
+        begins_pulled_back: whether the print begins retracted, so that nothing drips on the long way to the first path.
     """
 
     changes: BoolArray
@@ -224,9 +224,9 @@ def _pull_back(
 
 
 def _along(paths: OrderedPaths, arc: FloatArray, chosen: IntArray, way: FloatArray) -> FloatArray:
-    """(C, 2) mm, the places a way beyond the end of the paths before the chosen ones.
+    """(C, 2) mm, places at a distance `way` past the end of the paths before the chosen ones.
 
-    Beyond the end of a closed path is its beginning once more; an open one is gone back.
+    Past its end a closed path starts over; an open one is traced backwards.
     """
     begin, end = paths.start[chosen - 1], paths.start[chosen] - 1
     closed = (np.abs(paths.points[begin] - paths.points[end]) < TOUCHING).all(axis=1)

@@ -13,7 +13,7 @@ from ..paths import Feature, Paths
 
 
 class Turn(IntEnum):
-    """Islands of what stands around the object, in their order of printing; each loop has an island of its own.
+    """Island numbers of everything around the object, in printing order; each loop has an island of its own.
 
     A nozzle draws the skirt or primes on the tower before it meets anything that matters. Between two turns there is
     room for 10,000 loops; islands of the object are not negative.

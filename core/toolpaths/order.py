@@ -15,7 +15,7 @@ from ..settings import PrintSettings
 from .seams import has_seam, seam_offsets
 from .tool_turns import tool_turns
 
-# Paths that are looked at one by one; more of them at once.
+# Up to this many paths are compared one by one, more of them as arrays.
 _MANY = 64
 
 
@@ -47,7 +47,7 @@ class OrderedPaths:
 def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
     """Order all layers: skirt, tower and supports first, then region by region, the nearest next; walls before fill.
 
-    What a layer's second tool prints comes after all that its first one does.
+    Paths of a layer's second tool come after all those of its first one.
 
     Args:
         paths: of all features and layers.
@@ -88,7 +88,7 @@ class _Walk:
     Attributes:
         sequence: the paths printed so far.
         flipped: those of them that were printed from their end to their beginning.
-        seams: for closed paths, the point nearest to where the nozzle came from, if it shall choose.
+        seams: for closed paths that start nearest to the nozzle, the point where they start.
     """
 
     def __init__(self, begin: NDArray[np.complex128], end: NDArray[np.complex128]) -> None:
@@ -114,7 +114,7 @@ class _Walk:
         Args:
             islands: by number, in ascending order, the runs of paths that are printed one after the other.
         """
-        # What is not the part carries negative islands: a nozzle is primed before it meets the part.
+        # Islands around the part have negative numbers: a nozzle is primed before it meets the part.
         waiting = []
         for island, runs in islands.items():
             if island < 0:

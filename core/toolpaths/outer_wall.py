@@ -1,4 +1,4 @@
-"""The waved outlines as paths, and the room that they leave for what lies behind them."""
+"""The waved outlines as paths, and the area that they leave for inner walls and fill."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..slicing.regions import gathered, ring_polygons
 
 
 def outer_wall_paths(waved: WavedOutlines) -> Paths:
-    """One closed path an outline, or open ones where two tools share it; the island is the region that it bounds."""
+    """One closed path per outline, or open ones where two tools share it; the island is the region that it bounds."""
     if waved.swapped is not None:
         return _shared(waved, waved.swapped)
     loops = len(waved.layer)

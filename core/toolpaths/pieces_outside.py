@@ -1,4 +1,4 @@
-"""The pieces of straight travels that lie outside of the rooms that they start in, for all of them at once."""
+"""The pieces of straight travels outside the rooms that they start in, for all travels at once."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import ranges, starts, summable
 from ..records import dataclass
 
-# Pairs of a line and an edge of its room that are looked at together.
+# Pairs of a line and an edge of its room that are tested at once.
 _MOST_PAIRS = 1 << 17
 
 
@@ -77,7 +77,7 @@ def boundaries(shapes: NDArray[np.object_]) -> Boundaries:
 
 
 def pieces_outside(begin: FloatArray, end: FloatArray, walls: Boundaries, room: IntArray) -> Pieces:
-    """What of straight lines lies outside of their rooms.
+    """The pieces of straight lines that lie outside their rooms.
 
     Args:
         begin: (T, 2) mm.

@@ -12,10 +12,10 @@ from ..settings import PrintSettings
 
 _COARSE_MM = 2.0
 _FINE_MM = 0.25
-_AT_ONCE = 25  # places that are looked at, the best first, before the next ones
-_SURE = 0.95  # share of a buffer that is surely within it, whatever its arcs leave out
-_ROUGH_MM = 0.5  # how exact obstacles are where the tower would stand in them
-_TOUCHING_MM = 0.5  # where the user says where the tower stands, it may stand as near as this
+_AT_ONCE = 25  # places that are tested at once, the best first
+_SURE = 0.95  # share of a buffer's width that its polygonal arcs certainly cover
+_ROUGH_MM = 0.5  # accuracy of the obstacles for ruling out places inside them
+_TOUCHING_MM = 0.5  # least distance of a tower that the user places
 
 
 def placed(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintSettings) -> FloatArray:
@@ -34,7 +34,7 @@ def placed(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintSe
         SettingsError: it does not fit where the user wants it.
     """
     if settings.tower_placement == "manual":
-        return _as_wished(footprint, obstacles, settings)
+        return _manual(footprint, obstacles, settings)
     angles = [settings.tower_rotation, settings.tower_rotation + 90.0]
     hulls = [_hull(turned(footprint, angle)) for angle in angles]
     shapely.prepare(obstacles)
@@ -64,15 +64,15 @@ def turned(points: FloatArray, angle_deg: float) -> FloatArray:
     return np.asarray(points @ np.array([[cosine, sine], [-sine, cosine]]))
 
 
-def _as_wished(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintSettings) -> FloatArray:
+def _manual(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintSettings) -> FloatArray:
     where = f"the cleaning tower at X {settings.tower_x:g}, Y {settings.tower_y:g}"
-    mending = "change tower_x, tower_y or tower_rotation, or set tower_placement to auto"
+    hint = "change tower_x, tower_y or tower_rotation, or set tower_placement to auto"
     place = np.array([[settings.tower_x, settings.tower_y]])
     hull = _hull(turned(footprint, settings.tower_rotation))
     if not _inside(hull, place, settings.printer_profile)[0]:
-        raise SettingsError(f"{where} leaves the reach of both nozzles", mending)
+        raise SettingsError(f"{where} leaves the reach of both nozzles", hint)
     if not _free(hull, place, obstacles, _TOUCHING_MM)[0]:
-        raise SettingsError(f"{where} meets the object or what is printed around it", mending)
+        raise SettingsError(f"{where} meets the object or what is printed around it", hint)
     return np.array([settings.tower_x, settings.tower_y, settings.tower_rotation])
 
 

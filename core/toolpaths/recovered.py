@@ -1,4 +1,4 @@
-"""Moves from what a printer is told: layers, features and line widths are found again from the numbers."""
+"""Moves recovered from the commands of a file: layers, features and line widths are found from the numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How fast each line is printed: what its feature asks for, and what this controller and this hot end can keep up.
+"""How fast each line is printed: the speed set for its feature, within what the controller and the hot end can do.
 
 Why the waved wall is held back twice:
 
@@ -12,7 +12,7 @@ v² / radius stays below `max_curve_acceleration`, by default what the firmware 
 with what is left. Neither happens as long as moves are planned faster than they are printed. The planner is a fixed
 point one on a 16 MHz AVR; Marlin, whose floating point planner its authors measured to be five times slower, grants
 itself 200 moves a second on the same chip. `min_move_time` defaults to 8 ms, 125 moves a second, counted over half a
-queue: one short chord between longer ones starves nobody.
+queue: one short chord between longer ones does no harm.
 
 The two belong together with the tessellation: where curvature rules, a chord with sagitta e takes √(8 e / acceleration)
 whatever the radius: 8.9 ms for the default `chord_tolerance` of 0.01 mm, 15.5 ms for 0.03 mm. So finer chords would be

@@ -1,4 +1,4 @@
-"""All that is printed around and below the object: skirt, tower, brim, ooze shield and raft, clear of each other."""
+"""Everything printed around and below the object: skirt, tower, brim, ooze shield and raft, clear of each other."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .shield import shield_area, shield_paths
 from .skirt import skirt_paths
 from .tower import tower_brim, tower_loops, tower_paths
 
-# The shadow is told by squares; by no more of them across, even if the print is far larger than any bed.
+# The shadow is made of squares; at most this many across, even if the print is far larger than any bed.
 _SQUARE_MM, _MOST_SQUARES = 0.3, 1000
 _NARROW_MM = 8.0  # Bays in which neither tower nor shield finds room may be covered.
 

@@ -37,7 +37,7 @@ def tool_of_paths(layer: IntArray, swapped: BoolArray | None, settings: PrintSet
 
 
 def tool_turns(paths: Paths, settings: PrintSettings) -> tuple[BoolArray | None, IntArray]:
-    """Share out the tower, and tell which paths of a layer come before and which after its tool change.
+    """Assign the tower to a tool, and each path to before or after the tool change of its layer.
 
     Args:
         paths: K, of all layers, in no order.

@@ -1,4 +1,4 @@
-"""Travels that stay inside the part: around what they would cross, and without retraction where nobody sees them."""
+"""Travels that stay inside the part: they go around walls in the way, and do not retract where they are hidden."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Travels:
     Attributes:
         via: (V, 2) mm, places on the way.
         start: (K + 1,) int64, where the places before each path start.
-        hidden: (K,) bool, the way stays inside the wall and below the next layer: what oozes is not seen.
+        hidden: (K,) bool, whether the travel stays inside the wall and below the next layer, so that oozing is hidden.
     """
 
     via: FloatArray
@@ -67,7 +67,7 @@ def rooms(inside: NDArray[np.object_], layer: IntArray, regions: NDArray[np.obje
 
 
 def straight(paths: OrderedPaths) -> Travels:
-    """No way around anything, and nothing is hidden."""
+    """Straight travels for all paths, none hidden."""
     count = len(paths.layer)
     return Travels(np.zeros((0, 2)), np.zeros(count + 1, dtype=np.int64), np.zeros(count, dtype=bool))
 

@@ -1,4 +1,4 @@
-"""What is wrong with an X3G file: an inspection of the finished bytes that trusts nothing that made them."""
+"""Faults of an X3G file: an inspection of the finished bytes, independent of the code that wrote them."""
 
 from __future__ import annotations
 

@@ -130,7 +130,7 @@ def recall_home(axes: int) -> bytes:
 
 
 def switch_off_axes(axes: int) -> bytes:
-    """Let the motors of these axes go."""
+    """Switch off the motors of these axes."""
     return bytes([Command.SWITCH_AXES, axes])
 
 

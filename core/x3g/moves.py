@@ -1,4 +1,4 @@
-"""An X3G file back into moves, as far as its whole motor steps tell them."""
+"""An X3G file back into moves, within the resolution of whole motor steps."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TRAVELS = 2.0  # times as fast as the lines before and after: a move that goes 
 
 
 def moves_of_x3g(data: bytes, name: str, settings: PrintSettings | None = None) -> ReadPrint:
-    """Read a file. It does not tell what its lines are for, so all are taken for outer walls.
+    """Read a file. It does not say what its lines are for, so all are taken as outer walls.
 
     The lines along the front edge that prime the nozzles are left out, as they are from G-code of this program.
 
