@@ -36,16 +36,17 @@ def test_what_counts_as_seen_grows_as_it_should(doublings):
     np.testing.assert_allclose(sharpness(error, stage), slope, rtol=1e-5, atol=1e-7)
 
 
-def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(vase):
+@pytest.mark.parametrize("parts", [1, 2])
+def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(vase, parts):
     projector = Projector(vase, SETTINGS.projection_threshold)
     samples = optimized_samples(vase, projector, SETTINGS)
     grid, waves = phase_grid(vase, projector, SETTINGS), _Waves(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.full(len(vase.arc), 0.5)
-    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 0.25)
-    along = pairs.place - waves.place[pairs.before]
-    assert (along >= -1e-6).all() and (along <= waves.gap()[pairs.before] + 1e-6).all()
+    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, parts)
+    assert (pairs.along >= -1e-5).all()
+    assert (pairs.along <= waves.gap()[pairs.before] + 1e-5).all()
     loop = samples.loop[pairs.before]
-    arc = vase.arc_start[loop] + np.mod(pairs.place, vase.length[loop])
+    arc = vase.arc_start[loop] + np.mod(waves.place[pairs.before] + pairs.along, vase.length[loop])
     below, above = np.split(arc, 2)
     assert (np.diff(vase.layer[loop].reshape(2, -1), axis=0) == 1).all()
     image, _ = projector.project(projector.at(below), vase.layer[loop[: len(below)]] + 1)
@@ -68,3 +69,20 @@ def test_polish_mends_samples_that_were_disturbed_and_tells_how_much_is_left(vas
     assert salient[0] > 0.02
     assert salient[1] < left * salient[0]
     assert seen == pytest.approx(salient[1], rel=0.1)
+
+
+def test_places_are_found_again_among_samples_that_have_moved(vase):
+    projector = Projector(vase, SETTINGS.projection_threshold)
+    samples = optimized_samples(vase, projector, SETTINGS)
+    grid, waves = phase_grid(vase, projector, SETTINGS), _Waves(vase, samples)
+    every, weight = np.ones(len(samples.arc), dtype=bool), np.ones(len(vase.arc))
+    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 1)
+    loop = samples.loop[pairs.before]
+    place = np.mod(waves.place[pairs.before] + pairs.along, vase.length[loop])
+    waves.place = waves.place + 0.7
+    share, steep = waves.shares(pairs)
+    assert (share >= 0).all() and (share < 1).all()
+    np.testing.assert_allclose(1 / steep, waves.gap()[pairs.before], rtol=1e-5)
+    found = np.mod(waves.place[pairs.before] + share / steep, vase.length[loop])
+    away = np.abs(found - place)
+    assert np.minimum(away, vase.length[loop] - away).max() < 1e-4

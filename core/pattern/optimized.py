@@ -38,14 +38,16 @@ from .whole_waves import Phase, rounded
 # second where it is told how much a seam matters, all is done anew with more care.
 LAYERS, STRIDE, TEAR = 3, 12, 2.0
 QUICK_SEARCH, QUICK_FIT = Search(((24, 1, 150), (12, 1, 100)), 80), (5, 1, 8)
-QUICK_POLISH = Polish((Stage(3, 2, 0.7, 0.2), Stage(2, 3, 0.55, 0.05)), 0.15, 2, 0.25, 3)
-QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0033, 0.002
+QUICK_STRAY = 0.025
+QUICK_POLISH = Polish((Stage(6, 2, 0.7, 0.2),), 0.15, 2)
+QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0046, 0.003
 # Then on all layers, on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
+STRAY = 0.02
 SEARCH = Search(((16, 8, 100), (4, 6, 100), (2, 4, 150)), 25)
 # Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
 COARSE_FIT, FINE_FIT = (8, 1, 10), (2, 0, 8)
-POLISH = Polish((Stage(8, 2, 0.7, 0.2), Stage(4, 3, 0.55, 0.05)), 0.2, 3, 0.2)
+POLISH = Polish((Stage(8, 2, 0.7, 0.2), Stage(4, 3, 0.55, 0.05)), 0.2, 3)
 # Where more than this share of the pattern is a visible seam, or the second where it is told how much a seam matters, a
 # few more plans are tried, with longer fits; the best of all is polished longer from this share of it on.
 ENOUGH, ENOUGH_WEIGHED, FEW = 0.004, 0.0025, 0.8
@@ -54,7 +56,7 @@ LONGER_POLISH = Polish(
     (Stage(25, 1, 0.8, 0.2), Stage(25, 2, 0.7, 0.12), Stage(25, 3, 0.6, 0.06), Stage(25, 4, 0.53, 0.03)),
     0.1,
     4,
-    0.1,
+    2,
 )
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
@@ -99,7 +101,7 @@ class _Planning:
         few, here = layers.few, _at_nodes(self.weight, lines, layers.few)
         price = np.minimum(here, here[few.ahead])
         plan = planned(lines, layers.all, few, LAYERS, QUICK_SEARCH, price, settings)
-        phase = PhaseFit(few, rounded(lines, few, plan, settings), here, settings).solved(*QUICK_FIT)
+        phase = PhaseFit(few, rounded(lines, few, plan, QUICK_STRAY, settings), here, settings).solved(*QUICK_FIT)
         phase = layers.everywhere(lines, phase)
         samples = Samples.on(lines, bounded(lines, *whole_phases(layers.all, phase), settings))
         return polished(self.projector, grid, samples, self.weight, QUICK_POLISH, settings)
@@ -127,7 +129,7 @@ class _Planning:
     ) -> tuple[Samples, float]:
         """Samples by a plan, and the share of the pattern that is a visible seam."""
         lines, coarse, fine, settings = self.lines, self.coarse, self.fine, self.settings
-        phase = rounded(lines, coarse, plan, settings)
+        phase = rounded(lines, coarse, plan, STRAY, settings)
         phase = PhaseFit(coarse, phase, self.here, settings).solved(*coarse_fit)
         phase = Phase(phase.at(*on_grid(coarse, lines, fine), coarse), phase.turns)
         phase = PhaseFit(fine, phase, _at_nodes(self.weight, lines, fine), settings).solved(*fine_fit)

@@ -12,14 +12,14 @@ from ..parallel import in_chunks
 from ..ragged import ahead, preceding, starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from .contours import Contours, long_enough, loop_of, on_loop
+from .contours import Contours, long_enough, on_loop
 from .grid import PointGrid, nearest
 from .spacing import SLACK, filled, pruned, relaxed, spacings
 
 ComplexArray = NDArray[np.complex128]
 
-# How often a nearest place is looked for along the contour, and how far at a time, mm.
-WALKS, FARTHEST = 2, 0.8
+# How often a nearest place is looked for along the contour, and how many segments far at a time.
+WALKS, FARTHEST = 2, 4.0
 
 
 @dataclass(frozen=True)
@@ -142,17 +142,15 @@ class Projector:
         Returns:
             (Q,) arc and (Q,) distance in mm.
         """
-        lines, spot = self.lines, as_complex(query)
-        loop = loop_of(lines, guess)
-        begin, length = lines.arc_start.take(loop), lines.length.take(loop)
+        spot = as_complex(query)
+        point = np.searchsorted(self.lines.arc, guess, side="right") - 1
+        loop = self.loop.take(point)
+        first, count = self.lines.start.take(loop), np.diff(self.lines.start).take(loop)
         for _ in range(WALKS):
-            point = np.searchsorted(lines.arc, guess, side="right") - 1
             along = self.along.take(point)
-            away = spot - self.spot.take(point)
-            way = dot(away, along) / np.sqrt(np.maximum(squared(along), 1e-18))
-            guess = lines.arc.take(point) + np.clip(way, -FARTHEST, FARTHEST) - begin
-            guess = begin + np.mod(guess, length)
-        point = np.searchsorted(lines.arc, guess, side="right") - 1
+            way = dot(spot - self.spot.take(point), along) / np.maximum(squared(along), 1e-18)
+            point += np.floor(np.clip(way, -FARTHEST, FARTHEST)).astype(np.int64) - first
+            point = first + np.mod(point, count)
         arc, gap = self._on_segments(spot, point)
         return arc, np.sqrt(gap)
 

@@ -7,8 +7,8 @@ phase from sample to sample (paper, section 6.4), and whether it is seen. Here t
 
 over places on the contours and their images on the layer above: the first term counts what is seen, the sharper the
 larger p is, the second keeps what is not from growing. A step is a Gauss-Newton step with the diagonal alone and some
-momentum, cut to a few hundredths of a millimetre; every few steps spacings are pushed back into their bounds, and the
-diagonal is worked out anew. The best of what is met then is kept.
+momentum, cut to a tenth of a millimetre; after each, spacings are pushed back into their bounds. The best of what is
+met is kept.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Singles = NDArray[np.float32]
 
 UNSEEN_COST = 0.03
 # The greatest length of a step in wavelengths, and what damps it, 1/mm².
-LONGEST, DAMPING = 0.04, 2.0
+LONGEST, DAMPING = 0.08, 2.0
 # Share of a step that the next one keeps on.
 MOMENTUM = 0.6
 VISIBLE = 0.5
@@ -42,13 +42,13 @@ class Stage:
     """Steps that count seams alike.
 
     Attributes:
-        rounds: how many, each of a few steps.
+        steps: how many.
         doublings: p is 2 to this power.
         half: d₀, the error that counts half.
         rate: the share of the Gauss-Newton step that is gone.
     """
 
-    rounds: int
+    steps: int
     doublings: int
     half: float
     rate: float
@@ -62,23 +62,24 @@ class Polish:
         stages: one after the other.
         seam: sliding by which the error is greater than this somewhere in a wave makes a place part of a seam.
         around: how many samples around a seam may move.
-        every: mm, how far apart the places are.
-        turn: steps between two looks at where all places are among the samples.
+        parts: places on each segment of the contours.
     """
 
     stages: tuple[Stage, ...]
     seam: float
     around: int
-    every: float
-    turn: int = 1
+    parts: int = 1
 
 
 @dataclass
 class _Pairs:
-    """P places and then their P images, the sample before each and how much a seam between each two matters."""
+    """P places and then their P images, the sample before each and how much a seam between each two matters.
+
+    `along` is how far a place lies after where the sample before it was at first, mm.
+    """
 
     before: IntArray
-    place: FloatArray
+    along: Singles
     importance: Singles
 
 
@@ -89,35 +90,41 @@ class _Waves:
         self.loop, self.start = samples.loop, samples.start
         self.length = lines.length
         self.arc_start = lines.arc_start
-        self.place = samples.arc - lines.arc_start[samples.loop]
+        self.first = self.place = samples.arc - lines.arc_start[samples.loop]
         self.ahead, self.behind = following(self.start), preceding(self.start)
         self.around = np.where(self.ahead <= np.arange(len(self.loop)), self.length[self.loop], 0.0)
+        self.first_gap = self.gap().astype(np.float32)
 
     def gap(self) -> FloatArray:
         """(S,) mm from each sample to the next."""
         return np.asarray(self.place[self.ahead] - self.place + self.around)
 
     def locate(self, arc: FloatArray, loop: IntArray) -> tuple[IntArray, FloatArray]:
-        """The sample before each of places on contours, and how far these lie from the contour's beginning, mm.
+        """The sample before each of places on contours at first, and how far these lie after it, mm.
 
         Places before a contour's first sample lie in its last wave, one turn farther on.
         """
-        before = np.searchsorted(self.place + self.arc_start[self.loop], arc, side="right") - 1
+        before = np.searchsorted(self.first + self.arc_start[self.loop], arc, side="right") - 1
         wrapped = before < self.start[loop]
         before = np.where(wrapped, self.start[loop + 1] - 1, before)
-        return before, arc - self.arc_start[loop] + np.where(wrapped, self.length[loop], 0.0)
+        along = arc - self.arc_start[loop] - self.first.take(before)
+        return before, np.where(wrapped, along + self.length[loop], along)
 
-    def follow(self, pairs: _Pairs) -> None:
-        """Find the samples before all places anew after samples have moved, by less than a spacing."""
-        along = pairs.place - self.place.take(pairs.before)
-        gap = self.gap().take(pairs.before)
-        astray = np.flatnonzero((along < 0) | (along >= gap))
-        early = along[astray] < 0
+    def shares(self, pairs: _Pairs) -> tuple[Singles, Singles]:
+        """(2 P,) how far each place lies on the way from the sample before to the next, and 1 by the mm between these.
+
+        The samples before all places are found anew where samples have moved past these, by less than a spacing.
+        """
+        moved, inverse = (self.place - self.first).astype(np.float32), (1 / self.gap()).astype(np.float32)
+        steep = inverse.take(pairs.before)
+        share = (pairs.along - moved.take(pairs.before)) * steep
+        astray = np.flatnonzero((share < 0) | (share >= 1))
         old = pairs.before[astray]
-        new = np.where(early, self.behind[old], self.ahead[old])
-        # Over the contour's beginning the place is one turn farther or nearer.
-        pairs.place[astray] += np.where(early, self.around[new], -self.around[old])
-        pairs.before[astray] = new
+        new = np.where(share[astray] < 0, self.behind[old], self.ahead[old])
+        pairs.along[astray] += np.where(share[astray] < 0, self.first_gap[new], -self.first_gap[old])
+        pairs.before[astray], steep[astray] = new, inverse[new]
+        share[astray] = (pairs.along[astray] - moved[new]) * inverse[new]
+        return share, steep
 
 
 def polished(
@@ -145,20 +152,19 @@ def polished(
         return samples, 0.0
     # Only where everything that a sample shapes is among the pairs.
     free = near & near[waves.behind]
-    pairs = _pairs(projector, grid, waves, node, free, weight, effort.every)
+    pairs = _pairs(projector, grid, waves, node, free, weight, effort.parts)
     best, best_place = np.inf, waves.place
     for stage in effort.stages:
         velocity = np.zeros(len(waves.place))
-        for number in range(stage.rounds + 1):
-            waves.follow(pairs)
-            descent = _Descent(waves, pairs, stage)
-            if descent.seen < best:
-                best, best_place = descent.seen, waves.place
-            for _ in range(effort.turn if number < stage.rounds else 0):
-                velocity = np.where(free, MOMENTUM * velocity + descent.move(), 0.0)
-                velocity = np.minimum(np.maximum(velocity, -LONGEST * least), LONGEST * least)
-                waves.place = waves.place + velocity
-            waves.place = pushed(waves.place, waves.loop, waves.start, waves.length, least)
+        for number in range(stage.steps + 1):
+            seen, step = _descent(waves, pairs, stage)
+            if seen < best:
+                best, best_place = seen, waves.place
+            if number == stage.steps:
+                break
+            velocity = np.where(free, MOMENTUM * velocity + step, 0.0)
+            velocity = np.minimum(np.maximum(velocity, -LONGEST * least), LONGEST * least)
+            waves.place = pushed(waves.place + velocity, waves.loop, waves.start, waves.length, least)
     samples = Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + best_place, waves.loop, settings))
     mean = lines.arc_start[-1] / len(lines.arc)
     return samples, best / (mean * float(weight[(np.diff(samples.start) > 0)[projector.loop]].sum()))
@@ -169,9 +175,9 @@ def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves, effort: Polish)
     node = np.flatnonzero(grid.linked)
     own, up = grid.loop[node], grid.loop[grid.low[node]]
     gap = waves.gap()
-    low, place = waves.locate(grid.arc[node], own)
-    high, image = waves.locate(grid.above[node], up)
-    slide = (place - waves.place[low]) / gap[low] - (image - waves.place[high]) / gap[high]
+    low, along = waves.locate(grid.arc[node], own)
+    high, above = waves.locate(grid.above[node], up)
+    slide = along / gap[low] - above / gap[high]
     seam = 4 * np.sin(np.pi * slide) ** 2 > effort.seam
     near = np.zeros(len(waves.place), dtype=bool)
     near[low[seam]] = True
@@ -191,80 +197,57 @@ def _pairs(
     node: IntArray,
     free: BoolArray,
     weight: FloatArray,
-    every: float,
+    parts: int,
 ) -> _Pairs:
     """Places on the edges from nodes and their images among the samples, those that a free sample shapes."""
     lines = projector.lines
-    many = np.ceil(grid.length[node] / every).astype(np.int64)
-    share = (ranges(np.zeros(len(many), dtype=np.int64), many) + 0.5) / np.repeat(many, many)
-    node, each = np.repeat(node, many), np.repeat(grid.length[node] / many, many)
-    arc = grid.arc[node] + share * grid.length[node]
-    image = grid.above[node] + share * grid.step[node]
+    begin, end = (np.searchsorted(lines.arc, arc) for arc in (grid.arc[node], grid.arc[grid.ahead[node]]))
+    many = np.where(grid.seam[node] > 0, lines.start[grid.loop[node] + 1], end) - begin
+    edge, point = np.repeat(node, many * parts), np.repeat(ranges(begin, many), parts)
+    away = projector.along.take(point) * (np.arange(len(point)) % parts / parts)
+    query, arc = projector.spot.take(point) + away, lines.arc.take(point) + np.abs(away)
+    image = grid.above[edge] + (arc - grid.arc[edge]) / grid.length[edge] * grid.step[edge]
+    up = grid.loop.take(grid.low.take(edge))
     torn = np.flatnonzero(np.isnan(image))
-    image[torn] = projector.above(projector.at(arc[torn]), lines.layer[grid.loop[node[torn]]])
-    up = np.where(np.isnan(grid.step[node]), loop_of(lines, np.nan_to_num(image)), grid.loop[grid.low[node]])
+    image[torn] = projector.above(query[torn].view(np.float64).reshape(-1, 2), lines.layer[grid.loop[edge[torn]]])
+    up[torn] = loop_of(lines, np.nan_to_num(image[torn]))
     image = lines.arc_start[up] + np.mod(image - lines.arc_start[up], lines.length[up])
     found = np.flatnonzero(~np.isnan(image) & (np.diff(waves.start)[up] > 0))
-    low, place = waves.locate(arc[found], grid.loop[node[found]])
+    low, along = waves.locate(arc[found], grid.loop[edge[found]])
     high, _ = waves.locate(image[found], up[found])
     shaped = free | free[waves.ahead]
     some = np.flatnonzero(shaped[low] | shaped[high])
-    found, low, place = found[some], low[some], place[some]
+    found, low, along = found[some], low[some], along[some]
     # Between nodes the image is near the line between theirs.
-    image, distance = projector.nearby(projector.at(arc[found]), image[found])
+    image, distance = projector.nearby(query[found].view(np.float64).reshape(-1, 2), image[found])
     some = np.flatnonzero(distance <= projector.threshold)
-    found, low, place = found[some], low[some], place[some]
+    found, low, along = found[some], low[some], along[some]
     high, above = waves.locate(image[some], up[found])
-    matters = weight[np.searchsorted(lines.arc, arc[found], side="right") - 1] * each[found]
-    return _Pairs(np.concatenate([low, high]), np.concatenate([place, above]), matters.astype(np.float32))
+    matters = weight.take(point[found]) * np.abs(projector.along.take(point[found])) / parts
+    after = np.concatenate([along, above]).astype(np.float32)
+    return _Pairs(np.concatenate([low, high]), after, matters.astype(np.float32))
 
 
-class _Descent:
-    """A few steps, in which no place comes to lie between other samples; in single precision, which is plenty."""
+def _descent(waves: _Waves, pairs: _Pairs, stage: Stage) -> tuple[float, FloatArray]:
+    """How much is seen, and (S,) mm that each sample should move; in single precision, which is plenty."""
+    share, steep = waves.shares(pairs)
+    low, high = np.split(np.cos(FULL * share), 2)
+    difference = low - high
+    error = difference**2
+    # How fast the difference rises as either place's share falls, and the latter for each mm that samples go.
+    rise = FULL * np.sin(FULL * share) * steep
+    rise[len(low) :] *= -1
+    slope = np.tile(2 * pairs.importance * (sharpness(error, stage) + UNSEEN_COST), 2)
+    pull, stiff = slope * rise * np.tile(difference, 2), slope * rise**2
+    own, size = 1 - share, len(waves.place)
 
-    def __init__(self, waves: _Waves, pairs: _Pairs, stage: Stage) -> None:
-        self.waves, self.pairs, self.stage = waves, pairs, stage
-        share, gap = self._shares()
-        # How much a place's share falls for each mm that the sample after it goes, and the one before it.
-        self.after = share / gap
-        self.own = 1 / gap - self.after
-        difference, rise = self._rise(share)
-        error = difference**2
-        self.seen = float(pairs.importance @ (error >= VISIBLE))
-        slope = np.tile(self._slope(error), 2)
-        slope *= rise**2
-        self.damped = self._summed(slope * self.own**2, slope * self.after**2) + DAMPING
+    def summed(own: Singles, after: Singles) -> FloatArray:
+        of_next = np.bincount(pairs.before, after, size)
+        return np.bincount(pairs.before, own, size) + of_next[waves.behind]
 
-    def move(self) -> FloatArray:
-        """(S,) mm that each sample should move."""
-        difference, rise = self._rise(self._shares()[0])
-        rise *= np.tile(self._slope(difference**2) * difference, 2)
-        return -self.stage.rate * self._summed(rise * self.own, rise * self.after) / self.damped
-
-    def _shares(self) -> tuple[Singles, Singles]:
-        """(2 P,) how far each place lies on the way from the sample before to the next, and the mm between these."""
-        gap = self.waves.gap().astype(np.float32).take(self.pairs.before)
-        along = self.pairs.place - self.waves.place.take(self.pairs.before)
-        return along.astype(np.float32) / gap, gap
-
-    def _rise(self, share: Singles) -> tuple[Singles, Singles]:
-        """(P,) t₁ − t₂ and (2 P,) how fast it rises as either share falls."""
-        share *= FULL
-        low, high = np.split(np.cos(share), 2)
-        rise = FULL * np.sin(share)
-        rise[len(low) :] *= -1
-        return low - high, rise
-
-    def _slope(self, error: Singles) -> Singles:
-        """(P,) twice how fast what counts grows with the error."""
-        return 2 * self.pairs.importance * (sharpness(error, self.stage) + UNSEEN_COST)
-
-    def _summed(self, own: Singles, after: Singles) -> FloatArray:
-        """(S,) what acts on each sample, from the places after it and from those before it."""
-        size = len(self.waves.place)
-        return (
-            np.bincount(self.pairs.before, own, size) + np.bincount(self.pairs.before, after, size)[self.waves.behind]
-        )
+    damped = summed(stiff * own**2, stiff * share**2) + DAMPING
+    move = -stage.rate * summed(pull * own, pull * share) / damped
+    return float(pairs.importance @ (error >= VISIBLE)), move
 
 
 def sharpness(error: Singles, stage: Stage) -> Singles:

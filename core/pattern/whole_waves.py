@@ -24,12 +24,12 @@ from .contours import Contours
 from .phase_grid import PhaseGrid
 from .wave_plan import WavePlan
 
-# Waves by which the phase may stray from the plan before a wave is added or dropped: a share of those around the
-# contour, from and to; the stretch that is changed ends at half of it.
-STRAY, STRAYS = 0.025, (0.6, 1.5)
-STRETCH = 0.5
-# The plan is tilted by at most so many waves a contour to steer their sum, which alone adds and drops none.
-STEERED = 0.6
+# Waves by which the phase may stray from the plan before a wave is added or dropped, from and to; the stretch that is
+# changed ends at this share of it.
+STRAYS, STRETCH = (0.6, 1.5), 0.5
+# The plan is tilted by at most so many waves a contour to steer their sum, which alone adds and drops none. What came
+# in excess shall be made up for in one of so many parts of what is left.
+STEERED, HASTE = 0.6, 6.0
 # The phase's difference from the plan is smoothed so often in each layer, and may be mended so often.
 SMOOTHINGS = 4
 MENDINGS = 3
@@ -65,16 +65,17 @@ def feasible_turns(grid: PhaseGrid, settings: PrintSettings) -> tuple[FloatArray
     return np.minimum(fewest, np.maximum(most, 2)), np.maximum(most, 2)
 
 
-def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, settings: PrintSettings) -> Phase:
+def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, stray: float, settings: PrintSettings) -> Phase:
     """The phase with whole numbers of waves that follows a plan.
 
     Args:
         lines: M contours.
         grid: K nodes on them.
         plan: waves and slides in fractions.
+        stray: what share of the waves around a contour the phase may stray from it before one is added or dropped.
         settings: the wavelength is used.
     """
-    work = _Rounding(grid, plan, settings)
+    work = _Rounding(grid, plan, stray, settings)
     cuts = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2)).tolist()
     for begin, end in pairwise(cuts):
         work.layer(begin, end)
@@ -146,14 +147,14 @@ class _Rounding:
     `excess` counts the waves that these layers have more than planned, `left` those planned for the others.
     """
 
-    def __init__(self, grid: PhaseGrid, plan: WavePlan, settings: PrintSettings) -> None:
+    def __init__(self, grid: PhaseGrid, plan: WavePlan, stray: float, settings: PrintSettings) -> None:
         self.grid = grid
         self.fewest, self.most = feasible_turns(grid, settings)
         self.total = sums(plan.waves, grid.start)
         self.plain = _before(plan.waves) - _before(self.total)[grid.loop]
         self.way = self.plain / np.maximum(self.total, 1e-9)[grid.loop]
         self.handed = _HandedUp(grid, plan, self.plain, self.total)
-        self.stray = np.clip(STRAY * self.total, *STRAYS)[self.handed.contour][self.handed.owner]
+        self.stray = np.clip(stray * self.total, *STRAYS)[self.handed.contour][self.handed.owner]
         self.lack = np.zeros(len(grid.arc))
         self.turns = np.clip(np.rint(self.total), self.fewest, self.most) * (np.diff(grid.start) > 0)
         self.stands_for = sums(grid.stands_for, grid.start) / np.maximum(np.diff(grid.start), 1)
@@ -199,7 +200,7 @@ class _Rounding:
         walk = np.cumsum(walk)
         mean = np.add.reduceat(walk, first) / (start[1:] - first)
         # The plan's number of waves is met in the end: what came in excess is made up for in the layers to come.
-        tilt = self.total[loop] * (self.excess / max(self.left, 1.0))
+        tilt = self.total[loop] * (HASTE * self.excess / max(self.left, 1.0))
         steered = np.clip(tilt, -STEERED, STEERED)[owner] * handed.way[entries]
         lack = _mended(walk - mean[owner] + steered, start, self.stray[entries]) - steered
         turns = np.rint(lack[last] - lack[first] + self.total[loop])
