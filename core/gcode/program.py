@@ -28,7 +28,7 @@ IdleCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
 WIDTH_STEP = 0.002
 """mm, resolution of the widths in comments."""
 
-_FEATURE_COMMENTS = ["; " + feature.name.lower().replace("_", " ") for feature in Feature]
+_FEATURE_COMMENTS = [f"; {feature.name.lower().replace('_', ' ')}\n".encode("ascii") for feature in Feature]
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Program:
         start: commands before the first line.
         lines: one for each move that changes a number.
         places: (I,) int64, ascending, the line before which each insertion stands.
-        insertions: comments, progress and tool changes.
+        insertions: comments, progress and tool changes, lines of text each.
         width_places: (W,) int64, ascending, lines from which on lines of plastic have another width.
         widths: (W,) that width in steps of `WIDTH_STEP`; before the first it is the usual one.
         end: commands after the last line.
@@ -71,7 +71,7 @@ class Program:
     start: list[str]
     lines: Lines
     places: IntArray
-    insertions: list[list[str]]
+    insertions: list[bytes]
     width_places: IntArray
     widths: IntArray
     end: list[str]
@@ -203,7 +203,7 @@ def _insertions(
     begins: FloatArray,
     idle: IdleCommands,
     printer: PrinterProfile,
-) -> tuple[IntArray, list[list[str]]]:
+) -> tuple[IntArray, list[bytes]]:
     """What stands between the lines: comments at layers and features, the progress at each layer, the tool changes.
 
     Args:
@@ -215,7 +215,7 @@ def _insertions(
         printer: that it is for.
 
     Returns:
-        (I,) int64 the line before which each insertion stands, ascending, and their lines.
+        (I,) int64 the line before which each insertion stands, ascending, and their text.
     """
     layer_starts = layer_changes(moves.layer)
     tool_starts = _after_break(moves.tool)
@@ -226,7 +226,7 @@ def _insertions(
     others = layer_starts | tool_starts
     others[list(idle[0])] = True
     rows = np.flatnonzero(others | feature_starts)
-    insertions = [[_FEATURE_COMMENTS[number]] for number in moves.feature[rows].tolist()]
+    insertions = [_FEATURE_COMMENTS[number] for number in moves.feature[rows].tolist()]
     percents = iter(_percents(begins))
     shown = 0
     of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts)
@@ -243,7 +243,7 @@ def _insertions(
                 shown = percent
         lines += tool_change_lines(tool, printer) if new_tool else []
         lines += idle[1].get(row, [])
-        insertions[number] = lines + insertions[number] * new_feature
+        insertions[number] = joined(lines) + insertions[number] * new_feature
     return kept_before[rows], insertions
 
 
@@ -259,6 +259,11 @@ def _width_changes(moves: Moves, strands: IntArray, usual: float) -> tuple[IntAr
     steps = np.rint(width[changes] / WIDTH_STEP).astype(np.int64)
     told = np.diff(steps, prepend=round(usual / WIDTH_STEP)) != 0
     return strands[changes[told]], steps[told]
+
+
+def joined(lines: list[str]) -> bytes:
+    """Lines as text, with the last one's end."""
+    return "\n".join([*lines, ""]).encode("ascii")
 
 
 def _percents(begins: FloatArray) -> list[int]:

@@ -12,7 +12,7 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word
-from .program import WIDTH_STEP, Lines, Program, program
+from .program import WIDTH_STEP, Lines, Program, joined, program
 from .texts import written
 
 _CHUNK_ROWS = 1 << 13  # a chunk's words stay in the processor's cache
@@ -20,9 +20,10 @@ _MAX_COMMENT = 900
 _STEPS_A_MM = 100_000  # of filament
 _G1, _Z = word("G1"), word(" Z")
 # Letters with a blank, and the numbers after them; the letter of `whole` stands in its table.
-_NAMES = "G1", "x", "Y", "y", "Z", "z", "whole", "fraction", "end"
-_LINE = np.dtype([(name, "u4" if name in ("G1", "Y", "Z") else "u8") for name in _NAMES])
-_USUAL_LINE = bytearray(np.array([(word("G1 X"), 0, word(" Y"), 0, 0, 0, 0, 0, word("\n"))], dtype=_LINE).tobytes())
+_SIZES = {"cut": 1, "G1": 4, "x": 8, "Y": 2, "y": 8, "Z": 2, "z": 8, "whole": 8, "fraction": 8, "end": 8}
+_LINE = np.dtype([(name, f"u{size}") for name, size in _SIZES.items()])
+_USUAL_LINE = bytearray(np.array([(0, word("G1 X"), 0, word(" Y"), 0, 0, 0, 0, 0, word("\n"))], dtype=_LINE).tobytes())
+_CUT = b"\1"  # stands before lines that are to be cut there
 
 
 @dataclass(frozen=True)
@@ -64,23 +65,22 @@ def counted_text(
     told = program(moves, settings, begins)
     places, texts = _with_widths(told)
     body = _body(told.lines, settings.printer_profile.tool_axes, places, texts)
-    text = b"".join([_joined(_header_lines(settings, header) + told.start), *body, _joined(told.end)])
-    others = sum(line.startswith("G1 ") for lines in (told.start, *told.insertions, told.end) for line in lines)
-    return text, len(told.lines.tool) + others
+    first, last = joined(_header_lines(settings, header) + told.start), joined(told.end)
+    others = b"".join([b"\n", first, *told.insertions, last]).count(b"\nG1 ")
+    return b"".join([first, *body, last]), len(told.lines.tool) + others
 
 
 def _with_widths(told: Program) -> tuple[IntArray, list[bytes]]:
     """The insertions as text, and comments where the width of the lines changes."""
-    texts = [_joined(lines) for lines in told.insertions]
     if not len(told.widths):
-        return told.places, texts
-    texts += [b"; width %.3f\n" % width for width in (told.widths * WIDTH_STEP).tolist()]
+        return told.places, told.insertions
+    texts = told.insertions + [b"; width %.3f\n" % width for width in (told.widths * WIDTH_STEP).tolist()]
     places = np.concatenate([told.places, told.width_places])
     order = np.argsort(places, kind="stable")
     return places[order], [texts[number] for number in order.tolist()]
 
 
-def _body(lines: Lines, axes: Sequence[str], places: IntArray, texts: list[bytes]) -> list[bytes]:
+def _body(lines: Lines, axes: Sequence[str], places: IntArray, texts: list[bytes]) -> list[bytes | bytearray]:
     """The lines as text with the other texts between them, in pieces."""
     count = len(lines.tool)
     distinct, first = np.unique(places, return_index=True)
@@ -89,13 +89,13 @@ def _body(lines: Lines, axes: Sequence[str], places: IntArray, texts: list[bytes
     tables = _tables(lines, axes)
     chunks = [slice(row, min(row + _CHUNK_ROWS, count)) for row in range(0, count, _CHUNK_ROWS)]
     waiting = iter(inserted)
-    pieces = [next(waiting)] if len(distinct) and distinct[0] == 0 else []
+    pieces: list[bytes | bytearray] = []
     for rows in chunks:  # threads would only wait for each other: half of it is done by Python's own bytes
-        first_piece, *others = _rendered(lines, tables, distinct, rows)
+        first_piece, *others = _rendered(lines, tables, distinct, rows).split(_CUT)
         pieces.append(first_piece)
         for piece in others:
             pieces += [next(waiting), piece]
-    return pieces
+    return [*pieces, *waiting]
 
 
 def _tables(lines: Lines, axes: Sequence[str]) -> _Tables:
@@ -107,12 +107,13 @@ def _tables(lines: Lines, axes: Sequence[str]) -> _Tables:
     )
 
 
-def _rendered(lines: Lines, tables: _Tables, cuts: IntArray, rows: slice) -> list[bytes]:
-    """Some lines as text, cut before those that `cuts` (C,), ascending, names: a row of words each, zeros deleted.
+def _rendered(lines: Lines, tables: _Tables, cuts: IntArray, rows: slice) -> bytearray:
+    """Some lines as text, marked before those that `cuts` (C,), ascending, names: a row of words each, zeros deleted.
 
     What most lines name is written into all of them and taken out of the others.
     """
-    text = np.frombuffer(_USUAL_LINE * (rows.stop - rows.start), dtype=_LINE)
+    padded: bytearray = _USUAL_LINE * (rows.stop - rows.start)
+    text = np.frombuffer(padded, dtype=_LINE)
     thousandths, written, feeds = lines.thousandths[rows], lines.written[rows], lines.feeds[rows]
     for axis, name in enumerate(("x", "y")):
         text[name] = tables.coordinate.take(thousandths[:, axis] + tables.zero)
@@ -126,10 +127,9 @@ def _rendered(lines: Lines, tables: _Tables, cuts: IntArray, rows: slice) -> lis
     text["Z"][row], text["z"][row] = _Z, tables.coordinate.take(thousandths[row, 2] + tables.zero)
     row = np.flatnonzero(lines.hastens[rows])
     text["end"][row] = tables.feedrate.take(lines.feedrate[rows][row])
-    first, last = np.searchsorted(cuts, (rows.start, rows.stop), side="right")
-    places = _LINE.itemsize * (cuts[first:last] - rows.start)
-    whole = text.tobytes()
-    return [whole[begin:end].translate(None, b"\0") for begin, end in pairwise([0, *places.tolist(), len(whole)])]
+    first, last = np.searchsorted(cuts, (rows.start, rows.stop))
+    text["cut"][cuts[first:last] - rows.start] = _CUT[0]
+    return padded.translate(None, b"\0")
 
 
 def _filament(steps: IntArray, tool: IntArray, tables: _Tables) -> tuple[TextArray, TextArray]:
@@ -154,7 +154,3 @@ def _comment(text: str) -> str:
     """A comment that neither converter stumbles over: ASCII, one line, no sign with a meaning of its own."""
     plain = text.encode("ascii", "replace").decode()[:_MAX_COMMENT]
     return "; " + "".join(sign if sign.isprintable() and sign not in "#@;()" else "?" for sign in plain)
-
-
-def _joined(lines: list[str]) -> bytes:
-    return "\n".join([*lines, ""]).encode("ascii")

@@ -60,7 +60,7 @@ def follow(told: Program, name: str, printer: PrinterProfile) -> Track:
     ends = [*told.places.tolist(), len(told.lines.tool)]
     follower.print_lines(told.lines, slice(0, ends[0]))
     for insertion, (begin, end) in zip(told.insertions, pairwise(ends), strict=True):
-        follower.obey(insertion)
+        follower.obey(insertion.decode("ascii").splitlines())
         follower.print_lines(told.lines, slice(begin, end))
     follower.obey(told.end)
     return follower.track()
