@@ -10,6 +10,7 @@ from ..errors import CalibrationError
 from ..model import FloatArray
 from ..parallel import CHUNK_ROWS
 from ..pattern.contours import POINTS_PER_WAVELENGTH
+from ..records import dataclass
 from ..settings import PrintSettings
 from .gamut_mapping import image_range, printable_tones
 from .table import ToneTable, read_table, slope_shares
@@ -20,12 +21,43 @@ _LEVELS, _SLANT_STEP = 512, 0.25
 _HINT = "measure one with dualcolor measure and dualcolor build-table, or set calibration = none"
 
 
+@dataclass(frozen=True)
+class ToneCurve:
+    """From tones asked for to tones to print, on walls of S slopes.
+
+    Attributes:
+        to_print: (S, K) for K tones evenly spread from 0 to 1.
+        slants: (S,) degrees.
+    """
+
+    to_print: FloatArray
+    slants: FloatArray
+
+    def printed(self, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:
+        """(N,) tones to print for those asked for (N,) on slopes (N,), each whatever the others are."""
+        return _looked_up(self.to_print, self.slants, tone, slant_deg)
+
+
 def calibrated(tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings) -> tuple[FloatArray, list[str]]:
     """The tones to print so that, seen face on, they look like those asked for; and notes about the table.
 
     Args:
         tone: (N,) asked for, 0 black to 1 white, at the points of all contours.
         slant_deg: (N,) of the surface; overhangs count as upright.
+        settings: see `tone_curve`.
+
+    Raises:
+        CalibrationError: calibration_file cannot be read.
+    """
+    curve, notes = tone_curve(tone, settings)
+    return tone if curve is None else curve.printed(tone, slant_deg), notes
+
+
+def tone_curve(tone: FloatArray, settings: PrintSettings) -> tuple[ToneCurve | None, list[str]]:
+    """What makes of tones those to print; None where they are printed as they are. And notes about the table.
+
+    Args:
+        tone: (N,) asked for, at the points of all contours.
         settings: calibration, calibration_file and gamut_mapping are used, and those that the table must fit.
 
     Raises:
@@ -34,17 +66,17 @@ def calibrated(tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings)
     idle = settings.calibration_file and settings.calibration != "file"
     notes = ["calibration_file is not used; set calibration = file to print with it"] if idle else []
     if settings.calibration == "none":
-        return tone, notes
+        return None, notes
     table = table_for(settings)
     if table is None:
         notes.append(f"pattern {settings.pattern} has no tone table, its tones are printed as they are: {_HINT}")
-        return tone, notes
+        return None, notes
     if differences := table.about.differences(settings):
         notes.append(f"the tone table holds for other settings ({', '.join(differences)}): {_HINT}")
     slants = table.slant_deg[:1] if settings.calibration == "upright" else table.slant_deg
     shown = image_range(tone, settings.layer_height * settings.wavelength / POINTS_PER_WAVELENGTH)
     to_print = printable_tones(np.linspace(0.0, 1.0, _LEVELS + 1), slants, table, shown, settings).printed
-    return _looked_up(to_print, slants, tone, slant_deg), notes
+    return ToneCurve(to_print, slants), notes
 
 
 def table_for(settings: PrintSettings) -> ToneTable | None:

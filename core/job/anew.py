@@ -9,18 +9,85 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from ..calibration.calibrate import ToneCurve
 from ..fill.bridges import Bridges
 from ..fill.paths import fill_areas, fill_lines
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..paths import Paths
 from ..pattern.contours import Contours
 from ..pattern.sampling import Samples
-from ..pattern.wave import WavedOutlines, valley_lines, waved
+from ..pattern.strand_edges import widened
+from ..pattern.wave import WavedOutlines, modulated, valley_lines, waved
 from ..settings import PrintSettings
+from ..texture.lookup import tone_at
+from ..texture.pyramid import TexturePyramids
 from ..toolpaths.outer_wall import inside_of_lines, inside_of_wall
 from .layers import between, joined, runs, spliced
 
 Areas = tuple[Shapes, ...]
+
+
+def painted_tone(pyramids: TexturePyramids, lines: Contours, settings: PrintSettings) -> FloatArray:
+    """(N,) tone of the pictures at every contour point."""
+    return tone_at(pyramids, lines.face, lines.carried[:, :2], lines.carried[:, 2], settings.background_tone)
+
+
+def painted_tone_anew(
+    former: FloatArray, fresh: BoolArray, pyramids: TexturePyramids, lines: Contours, settings: PrintSettings
+) -> FloatArray:
+    """As `painted_tone`."""
+    tone = former.copy()
+    for first, last in runs(fresh):
+        tone[_places(lines, first, last)[1]] = painted_tone(pyramids, between(lines, first, last), settings)
+    return tone
+
+
+def print_tones(tone: FloatArray, slant_deg: FloatArray, lines: Contours, curve: ToneCurve | None) -> FloatArray:
+    """(N,) tones to print for those asked for."""
+    return tone if curve is None else curve.printed(tone, slant_deg)
+
+
+def print_tones_anew(
+    former: FloatArray,
+    fresh: BoolArray,
+    tone: FloatArray,
+    slant_deg: FloatArray,
+    lines: Contours,
+    curve: ToneCurve | None,
+) -> FloatArray:
+    """As `print_tones`."""
+    if curve is None:
+        return tone
+    printed = former.copy()
+    for first, last in runs(fresh):
+        points = _places(lines, first, last)[1]
+        printed[points] = curve.printed(tone[points], slant_deg[points])
+    return printed
+
+
+def set_back_lines(
+    printed: FloatArray, lines: Contours, slant_deg: FloatArray, settings: PrintSettings
+) -> tuple[FloatArray, FloatArray]:
+    """(N,) depth of the waves and (N,) set-back, mm, by the tones to print (N,)."""
+    depth, set_back = modulated(lines, printed, slant_deg, settings)
+    return depth, widened(lines, printed, set_back, settings)
+
+
+def modulated_anew(
+    former: tuple[FloatArray, FloatArray],
+    fresh: BoolArray,
+    printed: FloatArray,
+    lines: Contours,
+    slant_deg: FloatArray,
+    settings: PrintSettings,
+) -> tuple[FloatArray, FloatArray]:
+    """As `set_back_lines`."""
+    depth, set_back = (column.copy() for column in former)
+    for first, last in runs(fresh):
+        points = _places(lines, first, last)[1]
+        some = between(lines, first, last)
+        depth[points], set_back[points] = set_back_lines(printed[points], some, slant_deg[points], settings)
+    return depth, set_back
 
 
 def waved_anew(

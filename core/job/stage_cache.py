@@ -17,8 +17,6 @@ import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray
-from ..pattern.contours import Contours
-from ..pattern.sampling import Samples
 from ..records import dataclass
 from ..settings import PrintSettings
 from .layers import without_gaps
@@ -56,7 +54,8 @@ class StageCache:
         self._most_bytes = most_bytes
         self._held: dict[str, _Held] = {}
         self._fresh: BoolArray | None = None  # layers, as `compare_layers` has found; None for all
-        self._is_whole = False  # whether the last run came to its end, so that all stages hold what belongs together
+        # Whether this run and the last one came to their end, so that all stages hold what belongs together.
+        self._is_whole = self._is_known = False
 
     def run(self, stage: str, function: Callable[..., Result], *arguments: Any) -> Result:
         """The function's result, kept under the stage's name; the former one if nothing that was read has changed."""
@@ -70,23 +69,24 @@ class StageCache:
         self._held[stage] = _Held(others, read, result)
         return result
 
-    def compare_layers(self, lines: Contours, samples: Samples, layers: int, columns: Columns) -> None:
+    def begin(self) -> None:
+        """A run begins: nothing is known of it."""
+        self._is_known, self._is_whole, self._fresh = self._is_whole, False, None
+
+    def compare_layers(self, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]) -> None:
         """Find out on which layers the stages run by `run_layers` after this are given something else than last time.
 
         Args:
-            lines: N contour points.
-            samples: on them; if one of both is not what it was, all layers count as others.
-            layers: L.
-            columns: (N,) each, what the stages are given of the points.
+            same: what all layers depend on; if it is not what it was, all differ.
+            given: what is to be compared.
+            fresh: from what was given last time to the (L,) layers that differ, or None for all.
         """
-        held, known = self._held.get(_LAYERS), self._is_whole
-        self._held[_LAYERS], self._is_whole, self._fresh = _Held((lines, samples), {}, columns), False, None
-        if known and held and _same(held.arguments, (lines, samples)):
-            differs = np.logical_or.reduce([one != other for one, other in zip(held.result, columns, strict=True)])
-            fresh = np.zeros(layers, dtype=bool)
-            fresh[lines.layer[np.searchsorted(lines.start, np.flatnonzero(differs), side="right") - 1]] = True
-            fresh = without_gaps(fresh)
-            self._fresh = fresh if np.count_nonzero(fresh) <= _MOST_FRESH * len(fresh) else None
+        held, self._held[_LAYERS], self._fresh = self._held.get(_LAYERS), _Held(same, {}, given), None
+        if self._is_known and held and _same(held.arguments, same):
+            found = fresh(held.result)
+            if found is not None:
+                found = without_gaps(found)
+                self._fresh = found if np.count_nonzero(found) <= _MOST_FRESH * len(found) else None
 
     def run_layers(
         self,
@@ -154,7 +154,7 @@ class NoCache(StageCache):
         """The function's result."""
         return function(*arguments)
 
-    def compare_layers(self, lines: Contours, samples: Samples, layers: int, columns: Columns) -> None:
+    def compare_layers(self, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]) -> None:
         """There is nothing to compare with."""
 
     def run_layers(

@@ -27,6 +27,7 @@ class Stages:
 
     def __init__(self, cache: StageCache | None) -> None:
         self._cache = cache or NoCache()
+        self._cache.begin()
         self._clock = StageClock()
         self._beside = ThreadPoolExecutor(1)
         self.run, self.former = self._cache.run, self._cache.former

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from concurrent.futures import Future
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..calibration.calibrate import calibrated
+from ..calibration.calibrate import tone_curve
 from ..fill.closing import Closing, closing
 from ..mesh.triangles import triangulate
-from ..model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
+from ..model import BoolArray, FloatArray, SurfaceModel, ToneImage, TriangleMesh
 from ..pattern.contours import Contours, contours, reach_of
 from ..pattern.optimized import optimized_samples
 from ..pattern.quality import SeamErrors, seam_errors
 from ..pattern.sampling import Projector, Samples, sample
 from ..pattern.slant import slant_along
 from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
-from ..pattern.strand_edges import widened
 from ..pattern.visibility import seam_visibility
-from ..pattern.wave import WavedOutlines, average_along_wall, modulated, waved
+from ..pattern.wave import WavedOutlines, average_along_wall, waved
 from ..printability.slopes import FaceContrast, face_contrast
 from ..progress import Progress
 from ..records import dataclass
@@ -28,10 +29,20 @@ from ..settings import PrintSettings
 from ..slicing.slices import Slices, slices
 from ..texture.island_levels import island_levels
 from ..texture.labels import uv_charts
-from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids, build_pyramids, sizes_of
-from .anew import waved_anew
+from .anew import (
+    modulated_anew,
+    painted_tone,
+    painted_tone_anew,
+    print_tones,
+    print_tones_anew,
+    set_back_lines,
+    waved_anew,
+)
+from .repainted import other_layers, repainted_layers
 from .stages import Stages
+
+_NO_PICTURE = ToneImage(np.zeros((0, 0), dtype=np.float32), np.zeros((0, 0), dtype=np.float32))
 
 
 @dataclass(frozen=True)
@@ -79,9 +90,9 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     Raises:
         PrintError: the input cannot be printed.
     """
-    run, aside = stages.run, stages.aside
+    run, layered, aside = stages.run, stages.run_layers, stages.aside
     yield stages.begin(0.0, "mesh")
-    mesh = stages.former("mesh", triangulate(model, settings))
+    mesh = run("mesh", triangulate, _without_pictures(model), settings)
     footprint = 2 * settings.layer_height
     charts = aside("charts", uv_charts, mesh, sizes_of(model.textures))
     islands = aside("islands", island_levels, charts, settings.texture_filter)
@@ -89,30 +100,38 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     painting = aside("texture", build_pyramids, mesh, model.textures, footprint, *known)
     yield stages.begin(0.05, "slicing")
     cut = run("slicing", slices, mesh, settings)
+    layers = len(cut.layers)
     closes = aside("closing", closing, cut.polygons, cut.polygon_layer, len(cut.layers), settings)
     yield stages.begin(0.2, "contours")
     lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings, reach_of(settings))
     yield stages.begin(0.3, "sampling")
     projector = run("projector", Projector, lines, settings.projection_threshold)
-    early = run("tone", pattern_tone, lines, painting.result(), settings) if settings.hide_seams else None
-    seen = run("visibility", seam_visibility, lines, cut.layers.plane, mesh, model.textures, early, settings)
+    early = run("early tone", pattern_tone, lines, painting.result(), settings) if settings.hide_seams else None
+    shown = model.textures if mesh.face_visibility_texture is not None else ()
+    seen = run("visibility", seam_visibility, lines, cut.layers.plane, mesh, shown, early, settings)
     samples = run("sampling", pattern_samples, lines, projector, settings, seen)
     yield stages.begin(0.4, "texture")
     pyramids = painting.result()
     errors = aside("seam errors", seam_errors, lines, samples, projector)
     paint = aside("slopes", face_contrast, mesh, pyramids, settings)
     yield stages.begin(0.45, "tone")
-    tone = run("tone", pattern_tone, lines, pyramids, settings) if early is None else early
+    local = early is None and settings.solid_regions == "none"  # what is painted moves no line on another layer
+    if local:
+        same = ("pictures", mesh, lines, samples, footprint, settings.texture_filter)
+        stages.compare_layers(same, model.textures, partial(repainted_layers, model.textures, pyramids, lines, layers))
+    tone = _tone(lines, pyramids, settings, stages) if early is None else early
     del charts, islands, known, painting, pyramids  # as large as the moves that are to come
     yield stages.begin(0.5, "modulation")
     slant = run("slant", _slant, lines, mesh, settings.wavelength)
-    printed, notes = run("calibration", calibrated, tone, slant, settings)
-    depth, set_back = run("modulation", modulated, lines, printed, slant, settings)
-    set_back = run("strand edges", widened, lines, printed, set_back, settings)
+    curve, notes = run("tone curve", tone_curve, tone, settings)
+    printed = layered("calibration", print_tones, print_tones_anew, (tone,), slant, lines, curve)
+    depth, set_back = layered("modulation", set_back_lines, modulated_anew, (printed,), lines, slant, settings)
     depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
-    stages.compare_layers(lines, samples, len(cut.layers), (tone, depth, set_back))
+    if not local:
+        columns = (tone, depth, set_back)
+        stages.compare_layers(("lines", lines, samples), columns, partial(other_layers, columns, lines, layers))
     of_wave = (lines, samples, tone, depth, set_back)
-    outlines = stages.run_layers("wave", waved, waved_anew, of_wave, settings, swapped)
+    outlines = layered("wave", waved, waved_anew, of_wave, settings, swapped)
     return PaintedWall(
         mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint,
         closes,
@@ -139,7 +158,16 @@ def pattern_samples(
 
 def pattern_tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -> FloatArray:
     """(N,) tone at every contour point, no finer than the pattern can show."""
-    tone = tone_at(pyramids, lines.face, lines.carried[:, :2], lines.carried[:, 2], settings.background_tone)
+    return _averaged(painted_tone(pyramids, lines, settings), lines, settings)
+
+
+def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings, stages: Stages) -> FloatArray:
+    """As `pattern_tone`."""
+    painted = stages.run_layers("tone", painted_tone, painted_tone_anew, (pyramids,), lines, settings)
+    return stages.run("average", _averaged, painted, lines, settings)
+
+
+def _averaged(tone: FloatArray, lines: Contours, settings: PrintSettings) -> FloatArray:
     if settings.pattern == "offset" or settings.texture_filter == "lanczos":
         return tone
     # The look-up has averaged over a layer pair in all directions; a wave cannot show more than one tone along it, but
@@ -170,3 +198,8 @@ def _solid_colours(
 
 def _slant(lines: Contours, mesh: TriangleMesh, wavelength: float) -> FloatArray:
     return average_along_wall(slant_along(lines, mesh), lines, wavelength)
+
+
+def _without_pictures(model: SurfaceModel) -> SurfaceModel:
+    """The model with as many pictures, but nothing in them."""
+    return replace(model, textures=(_NO_PICTURE,) * len(model.textures), notes=())

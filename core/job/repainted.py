@@ -1,0 +1,92 @@
+"""Which layers a change of the pictures may touch: a stroke is looked for in tiles of texels."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage
+from ..pattern.contours import Contours
+from ..texture.pyramid import TexturePyramids
+
+_TILES = 64  # along the longer side of a picture
+
+
+def other_layers(
+    columns: tuple[FloatArray, ...], lines: Contours, layers: int, former: tuple[FloatArray, ...]
+) -> BoolArray:
+    """(L,) layers on which columns (N,) of numbers at the contour points differ from the former ones."""
+    return _layers_of(
+        np.logical_or.reduce([one != other for one, other in zip(former, columns, strict=True)]), lines, layers
+    )
+
+
+def repainted_layers(
+    pictures: tuple[ToneImage, ...],
+    pyramids: TexturePyramids,
+    lines: Contours,
+    layers: int,
+    former: tuple[ToneImage, ...],
+) -> BoolArray | None:
+    """(L,) layers on which tones may differ, all those at least where they do; None where all may.
+
+    Args:
+        pictures: as they are.
+        pyramids: of these.
+        lines: N contour points.
+        layers: L.
+        former: the pictures as they were.
+    """
+    if len(former) != len(pictures) or pyramids.texture_filter == "lanczos":
+        return None
+    touched = np.zeros(len(lines.face), dtype=bool)
+    for number, (one, other) in enumerate(zip(former, pictures, strict=True)):
+        if one.tone.shape != other.tone.shape:
+            return None
+        height, width = one.tone.shape
+        tile = max(height // _TILES, width // _TILES, 1)
+        tiles = _differing(one.tone, other.tone, tile) | _differing(one.alpha, other.alpha, tile)
+        if not tiles.any():
+            continue
+        own = np.flatnonzero(pyramids.face_texture.take(lines.face) == number) if len(pictures) > 1 else slice(None)
+        # A look-up reads four texels of the next coarser level at most.
+        reach = 2.0 ** (np.ceil(pyramids.face_level.max(initial=0.0)) + 2)
+        near = _grown(tiles, int(np.ceil(reach / tile)))
+        row, column = _tile_of(lines.carried[own, 1], height / tile), _tile_of(lines.carried[own, 0], width / tile)
+        touched[own] |= near.ravel().take(row * near.shape[1] + column)
+    return _layers_of(touched, lines, layers)
+
+
+def _differing(one: Float32Array, other: Float32Array, tile: int) -> BoolArray:
+    """(R, C) tiles of so many texels either way in which two pictures differ."""
+    height, width = one.shape
+    columns = np.arange(0, width, tile)
+    tiles = np.zeros((-(-height // tile), len(columns)), dtype=bool)
+    for row in range(len(tiles)) if one is not other else ():
+        band = slice(row * tile, (row + 1) * tile)
+        if not np.array_equal(one[band], other[band]):
+            tiles[row] = np.logical_or.reduceat((one[band] != other[band]).any(axis=0), columns)
+    return tiles
+
+
+def _grown(tiles: BoolArray, reach: int) -> BoolArray:
+    """(R, C) tiles with those so far around them, over the borders too, as pictures may repeat."""
+    grown = tiles
+    for axis in (0, 1):
+        steps = range(-min(reach, tiles.shape[axis]), min(reach, tiles.shape[axis]) + 1)
+        grown = np.logical_or.reduce([np.roll(grown, step, axis=axis) for step in steps])
+    return grown
+
+
+def _tile_of(place: FloatArray, tiles: float) -> IntArray:
+    """(N,) the row or column of tiles in which U or V lies, wrapped around; there may be a part of a last one."""
+    inside = place - np.floor(place)
+    inside *= tiles
+    found: IntArray = inside.astype(np.int64)
+    return found
+
+
+def _layers_of(points: BoolArray, lines: Contours, layers: int) -> BoolArray:
+    """(layers,) those with points that are marked (N,)."""
+    found = np.zeros(layers, dtype=bool)
+    found[lines.layer[np.searchsorted(lines.start, np.flatnonzero(points), side="right") - 1]] = True
+    return found
