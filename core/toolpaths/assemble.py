@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
 import numpy as np
@@ -42,16 +43,30 @@ def assemble(
         single_color: print all layers with tool 0, for comparison.
     """
     tool = np.zeros_like(paths.layer) if single_color else tool_of_paths(paths.layer, paths.swapped, settings)
-    length = chord_lengths(paths)
-    ways = travels(paths, within, settings)
+    with ThreadPoolExecutor(1) as beside:  # GEOS, which looks at the travels, leaves it the interpreter
+        measured = beside.submit(_lengths_and_speeds, paths, layers, settings)
+        ways = travels(paths, within, settings)
+    length, speed = measured.result()
     approach = approaches(paths, tool, length, ways, settings)
-    table, first_row = _extrusions(paths, tool, layers, approach.rows, length, settings)
+    table, first_row = _extrusions(paths, tool, layers, approach.rows, length, speed, settings)
     fill_approaches(table, paths, layers, first_row, approach, length, ways, settings)
     return table
 
 
+def _lengths_and_speeds(paths: OrderedPaths, layers: Layers, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
+    """(N,) mm from each point to the next, and (N,) mm/s there."""
+    length = chord_lengths(paths)
+    return length, extrusion_speeds(paths, layers, length, settings)
+
+
 def _extrusions(
-    paths: OrderedPaths, tool: IntArray, layers: Layers, approach: IntArray, length: FloatArray, settings: PrintSettings
+    paths: OrderedPaths,
+    tool: IntArray,
+    layers: Layers,
+    approach: IntArray,
+    length: FloatArray,
+    speed: FloatArray,
+    settings: PrintSettings,
 ) -> tuple[Moves, IntArray]:
     """The table with all extruding rows filled in, and (K,) the row at which each path's approach begins.
 
@@ -61,6 +76,7 @@ def _extrusions(
         layers: the stack.
         approach: (K,) rows before each path's first extrusion; here they are travels to its first point.
         length: (N,) mm, from each point to the next.
+        speed: (N,) mm/s, of the line that leaves each point.
         settings: of the print.
     """
     count = np.diff(paths.start)
@@ -94,7 +110,7 @@ def _extrusions(
         layer=np.repeat(paths.layer, rows),
         width=of_rows(paths.width),
         height=heights,
-        speed=of_rows(extrusion_speeds(paths, layers, length, settings), settings.travel_speed),
+        speed=of_rows(speed, settings.travel_speed),
         filament=of_rows(filament),
     )
     return table, first_row[:-1]

@@ -49,7 +49,7 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
     """
     asked = feature_speeds(settings)[paths.feature]
     asked = np.where(paths.layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
-    height = layers.height[paths.layer]
+    height = layers.height[paths.layer] * settings.extrusion_multiplier
     travelled = np.zeros(len(length) + 1)
     np.cumsum(length, out=travelled[1:])
     queue, seconds = settings.printer_profile.queue_moves, settings.min_move_time / 1000
@@ -58,13 +58,15 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
     def chunk(chord: IntArray, path: IntArray, own: FloatArray, wanted: FloatArray) -> tuple[FloatArray]:
         """The speeds of some chords that follow each other, by their lengths and the speeds asked for."""
         limit = curve_limit(paths, length, chord, settings.max_curve_acceleration)
+        here = slice(int(chord[0]), int(chord[-1]) + 1)
         # A chord that takes its time at the speed asked for is never a burden, whatever its neighbours are.
         short = np.flatnonzero(own < wanted * seconds)
         rate = move_time_limit(paths, travelled, chord[short], path[short], seconds, queue)
         limit[short] = np.minimum(limit[short], rate)
         if settings.max_volumetric_speed > 0:
-            section = paths.width[chord] * height[path] * settings.extrusion_multiplier
-            limit = np.minimum(limit, settings.max_volumetric_speed / np.maximum(section, _SHORTEST_MM))
+            section = paths.width[here] * height.take(path)
+            much = np.flatnonzero(section * wanted > settings.max_volumetric_speed)
+            limit[much] = np.minimum(limit[much], settings.max_volumetric_speed / section[much])
         slow = np.flatnonzero(limit < wanted)
         speed = wanted.copy()
         stepped = np.maximum(np.floor(limit[slow] / _STEP_MM_S + 1e-6) * _STEP_MM_S, _SLOWEST_MM_S)
