@@ -28,7 +28,7 @@ def load_image(path: Path) -> bpy.types.Image:
         TextureError: the file is missing, not a picture, or one of absurd size.
     """
     hint = "give a PNG, JPEG, TIFF or EXR file"
-    with suppress(OSError):  # told below
+    with suppress(OSError):  # reported below
         check_texels(path.name, texels_of_file(path))
     try:
         image = bpy.data.images.load(str(path.resolve()))

@@ -138,7 +138,7 @@ def _read(path: Path, kind: str) -> None:
             bpy.ops.wm.open_mainfile(filepath=name, load_ui=False, use_scripts=False)
             return
         if kind == ".obj":
-            with quiet_stderr():  # pictures that are missing are told by us
+            with quiet_stderr():  # we report missing pictures ourselves
                 bpy.ops.wm.obj_import(filepath=name, **axes)
         elif kind == ".stl":
             bpy.ops.wm.stl_import(filepath=name, **axes)

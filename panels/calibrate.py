@@ -50,7 +50,7 @@ def table_words(obj: bpy.types.Object) -> list[tuple[str, str]]:
         return [("No table: tones are printed as they are", "INFO")]
     path = Path(bpy.path.abspath(settings.calibration_file))
     changed = 0.0
-    with suppress(OSError):  # told by the table that cannot be read
+    with suppress(OSError):  # the table that cannot be read reports it
         changed = path.stat().st_mtime
     return _words_of(settings.changed({"calibration_file": str(path)}), changed)
 

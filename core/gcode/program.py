@@ -232,8 +232,8 @@ def _insertions(
     of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts)
     place = np.flatnonzero(others[rows])
     columns = (place, rows[place], *(column[rows[place]] for column in of_rows))
-    for number, row, *told in zip(*(column.tolist() for column in columns), strict=True):
-        new_layer, layer, new_tool, tool, new_feature = told
+    for number, row, *values in zip(*(column.tolist() for column in columns), strict=True):
+        new_layer, layer, new_tool, tool, new_feature = values
         lines = list(idle[0].get(row, []))
         if new_layer:
             lines.append(f"; layer {layer}")
@@ -251,14 +251,14 @@ def _width_changes(moves: Moves, strands: IntArray, usual: float) -> tuple[IntAr
     """Rows from which on the width is another one, and these widths in steps.
 
     From the filament alone, whose lengths are rounded as those of the moves are, the width of a short move cannot be
-    told exactly.
+    computed exactly.
     """
     width = moves.width[strands]
     # Most neighbours have the very same width.
     changes = np.flatnonzero(np.append(True, width[1:] != width[:-1]))[: len(strands)]
     steps = np.rint(width[changes] / WIDTH_STEP).astype(np.int64)
-    told = np.diff(steps, prepend=round(usual / WIDTH_STEP)) != 0
-    return strands[changes[told]], steps[told]
+    is_new = np.diff(steps, prepend=round(usual / WIDTH_STEP)) != 0
+    return strands[changes[is_new]], steps[is_new]
 
 
 def joined(lines: list[str]) -> bytes:

@@ -96,8 +96,10 @@ def read_gcode(data: bytes, name: str) -> ReadPrint:
     speed = _latest(column["F"], moving) / 60
     rows = np.flatnonzero(moving & (words.line > (layer_lines[0] if layer_lines else 0)))
     feature = _features(words)[rows]
-    told = _widths(words, settings.extrusion_width)[rows] if layer_lines else None
-    moves = recovered_moves(position[rows], _tool(words)[rows], fed[rows], speed[rows], feature, settings, _STEPS, told)
+    stated = _widths(words, settings.extrusion_width)[rows] if layer_lines else None
+    moves = recovered_moves(
+        position[rows], _tool(words)[rows], fed[rows], speed[rows], feature, settings, _STEPS, stated
+    )
     return ReadPrint(title or name, settings, moves)
 
 
@@ -165,8 +167,8 @@ def _features(words: Words) -> IntArray:
 
 def _widths(words: Words, usual: float) -> FloatArray:
     """(C,) mm, the width that the latest comment before each command gives to lines, `usual` before the first."""
-    told = [(line, float(text[6:])) for line, text in words.comments if _WIDTH.fullmatch(text)]
-    lines, widths = np.array([(0, usual), *told]).T
+    stated = [(line, float(text[6:])) for line, text in words.comments if _WIDTH.fullmatch(text)]
+    lines, widths = np.array([(0, usual), *stated]).T
     width: FloatArray = widths[np.searchsorted(lines, words.line, side="left") - 1]
     return width
 

@@ -62,20 +62,20 @@ def counted_text(
     Raises:
         ValueError: no moves, or numbers that are not finite or too large for the file.
     """
-    told = program(moves, settings, begins)
-    places, texts = _with_widths(told)
-    body = _body(told.lines, settings.printer_profile.tool_axes, places, texts)
-    first, last = joined(_header_lines(settings, header) + told.start), joined(told.end)
-    others = b"".join([b"\n", first, *told.insertions, last]).count(b"\nG1 ")
-    return b"".join([first, *body, last]), len(told.lines.tool) + others
+    content = program(moves, settings, begins)
+    places, texts = _with_widths(content)
+    body = _body(content.lines, settings.printer_profile.tool_axes, places, texts)
+    first, last = joined(_header_lines(settings, header) + content.start), joined(content.end)
+    others = b"".join([b"\n", first, *content.insertions, last]).count(b"\nG1 ")
+    return b"".join([first, *body, last]), len(content.lines.tool) + others
 
 
-def _with_widths(told: Program) -> tuple[IntArray, list[bytes]]:
+def _with_widths(content: Program) -> tuple[IntArray, list[bytes]]:
     """The insertions as text, and comments where the width of the lines changes."""
-    if not len(told.widths):
-        return told.places, told.insertions
-    texts = told.insertions + [b"; width %.3f\n" % width for width in (told.widths * WIDTH_STEP).tolist()]
-    places = np.concatenate([told.places, told.width_places])
+    if not len(content.widths):
+        return content.places, content.insertions
+    texts = content.insertions + [b"; width %.3f\n" % width for width in (content.widths * WIDTH_STEP).tolist()]
+    places = np.concatenate([content.places, content.width_places])
     order = np.argsort(places, kind="stable")
     return places[order], [texts[number] for number in order.tolist()]
 

@@ -57,8 +57,8 @@ class Stages:
         self._cache.trim()
         self._clock.stop()
         seconds = self._clock.seconds
-        told = {"stages_s": seconds, "total_s": sum(seconds.values())}
-        return told | {"beside_s": self._clock.beside, "peak_rss_mb": peak_rss_mb()}
+        times = {"stages_s": seconds, "total_s": sum(seconds.values())}
+        return times | {"beside_s": self._clock.beside, "peak_rss_mb": peak_rss_mb()}
 
 
 def _known(value: Any) -> Any:

@@ -9,7 +9,7 @@ from ..parallel import in_threads
 from ..ragged import ranges
 
 FARTHEST = 8.0
-"""Unsupported distances beyond this, mm, are told as this."""
+"""Unsupported distances are limited to this, mm."""
 
 # Points of the layer below that lie so far apart along their strands, mm, are sorted into cells of this size, mm, and
 # looked for in so many rings of cells around. The first search finds what rests on material, most of all points; each

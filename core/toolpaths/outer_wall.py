@@ -107,7 +107,7 @@ def _pierced(regions: Shapes, holes: Shapes, owner: IntArray) -> Shapes:
     """(I,) Polygons or MultiPolygons without the holes (H,) of their owners (H,)."""
     single = (shapely.get_type_id(regions) == shapely.GeometryType.POLYGON) & ~shapely.is_empty(regions)
     pierced = np.unique(owner)
-    # Most holes lie clear of all else, and are rings of their region: that is told faster than they are cut out.
+    # Most holes lie clear of all else, and are rings of their region: testing that is faster than cutting them out.
     shells, clear = pierced[single[pierced]], np.flatnonzero(single[owner])
     rings = shapely.get_exterior_ring(np.concatenate([regions[shells], holes[clear]]))
     of_ring = np.concatenate([shells, owner[clear]])

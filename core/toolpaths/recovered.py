@@ -15,7 +15,7 @@ from .moves import Moves
 UNKNOWN = -1
 _LEAST_PRIMING = 0.01  # mm of filament
 _HARDLY = 1e-9  # mm of filament, for moves that need less than the file can tell
-_TOLD_STEP = 0.002  # mm; widths that a file names are rounded to this
+_STATED_STEP = 0.002  # mm; widths that a file names are rounded to this
 _MOST = 1e6  # mm and mm/s; no printer is larger or faster
 _WINDOW = 0.2  # mm to either side over which a line's width is averaged where it varies
 
@@ -28,7 +28,7 @@ def recovered_moves(
     feature: IntArray,
     settings: PrintSettings,
     steps: tuple[float, float],
-    told: FloatArray | None = None,
+    stated: FloatArray | None = None,
 ) -> Moves:
     """The table of moves of a file.
 
@@ -41,17 +41,17 @@ def recovered_moves(
         tool: (M,) 0 or 1.
         fed: (M,) mm of filament during each row.
         speed: (M,) mm/s.
-        feature: (M,) a `Feature` for rows that extrude, `UNKNOWN` where the file does not tell.
+        feature: (M,) a `Feature` for rows that extrude, `UNKNOWN` where the file does not say.
         settings: diameters of the filament, and the width that lines usually have.
         steps: resolution of positions and filament in mm.
-        told: (M,) mm, width that the file names for each row; taken where the filament agrees with it.
+        stated: (M,) mm, width that the file names for each row; taken where the filament agrees with it.
 
     Raises:
         PrintError: nothing is extruded, or a number is beyond all bounds.
     """
     if any(np.abs(numbers).max(initial=0.0) > _MOST for numbers in (position, fed, speed)):
         raise PrintError("the file is damaged: a number is beyond all bounds", "export the print again")
-    kept = _tells_something(position, tool, fed)
+    kept = _has_effect(position, tool, fed)
     position, fed, speed = position[kept], fed[kept], speed[kept]
     tool, feature = tool[kept], feature[kept]
     step = np.diff(position, axis=0, prepend=position[:1])
@@ -63,7 +63,7 @@ def recovered_moves(
     moves = Moves(position, tool, kind, layer, np.zeros(len(way)), height, speed, fed)
     rows = np.flatnonzero(lays)
     moves.width[rows] = _line_widths(
-        moves, rows, way[rows], settings, steps, None if told is None else told[kept][rows]
+        moves, rows, way[rows], settings, steps, None if stated is None else stated[kept][rows]
     )
     end = slice(int(rows[-1]) + 1)
     return Moves(*(getattr(moves, column.name)[end] for column in fields(Moves)))
@@ -91,7 +91,7 @@ def _line_widths(
     way: FloatArray,
     settings: PrintSettings,
     steps: tuple[float, float],
-    told: FloatArray | None,
+    stated: FloatArray | None,
 ) -> FloatArray:
     """(K,) mm, widths of the segments of lines.
 
@@ -101,7 +101,7 @@ def _line_widths(
         way: (K,) mm, length of each.
         settings: diameters of the filament, and the width that lines usually have.
         steps: resolution of positions and filament in mm.
-        told: (K,) mm, what the file names, or None.
+        stated: (K,) mm, what the file names, or None.
     """
     fed = moves.filament[rows]
     diameter = np.where(moves.tool[rows] == 0, settings.filament_diameter_0, settings.filament_diameter_1)
@@ -110,7 +110,7 @@ def _line_widths(
     begins[1:] = (np.diff(rows) > 1) | (np.diff(moves.layer[rows]) != 0) | (np.diff(moves.feature[rows]) != 0)
     doubt = 1.42 * steps[0] / way + steps[1] / fed  # both ends may be off by half a diagonal
     width = _widths(area, way, doubt, begins, settings.extrusion_width)
-    return width if told is None else _told_widths(told, width, area, way, doubt)
+    return width if stated is None else _stated_widths(stated, width, area, way, doubt)
 
 
 def _layers(z: FloatArray, lays: BoolArray) -> tuple[IntArray, FloatArray]:
@@ -127,7 +127,7 @@ def _layers(z: FloatArray, lays: BoolArray) -> tuple[IntArray, FloatArray]:
     return layer, height
 
 
-def _tells_something(position: FloatArray, tool: IntArray, fed: FloatArray) -> BoolArray:
+def _has_effect(position: FloatArray, tool: IntArray, fed: FloatArray) -> BoolArray:
     """(M,) rows that move, feed or change the tool; others are moves shorter than the file's resolution."""
     kept: BoolArray = fed != 0
     kept[:1] = True
@@ -150,12 +150,12 @@ def _until_next(values: IntArray, marked: BoolArray) -> IntArray:
     return np.asarray(values[np.minimum(count, len(values) - 1)], dtype=np.int64)
 
 
-def _told_widths(
-    told: FloatArray, width: FloatArray, area: FloatArray, way: FloatArray, doubt: FloatArray
+def _stated_widths(
+    stated: FloatArray, width: FloatArray, area: FloatArray, way: FloatArray, doubt: FloatArray
 ) -> FloatArray:
     """(K,) mm, the widths that the file names where the filament agrees with them, the others elsewhere."""
-    agrees = np.abs(area - told * way) <= (doubt * told + _TOLD_STEP) * way
-    return np.where(agrees, told, width)
+    agrees = np.abs(area - stated * way) <= (doubt * stated + _STATED_STEP) * way
+    return np.where(agrees, stated, width)
 
 
 def _widths(area: FloatArray, way: FloatArray, doubt: FloatArray, begins: BoolArray, usual: float) -> FloatArray:

@@ -77,7 +77,7 @@ def _motion(commands: Commands, printer: PrinterProfile) -> _Motion:
     return _Motion(np.flatnonzero(commands.moves), place, level, travels, fed, strand)
 
 
-def _told(fault: BoolArray, motion: _Motion, what: str) -> list[str]:
+def _finding(fault: BoolArray, motion: _Motion, what: str) -> list[str]:
     """A sentence about all commands at fault, with the place of the first; nothing if there are none."""
     rows = np.flatnonzero(fault)
     if not len(rows):
@@ -100,10 +100,10 @@ def _frame(commands: Commands, motion: _Motion) -> list[str]:
     homed[homing] = np.bitwise_or.accumulate(commands.argument(homing, 1)) & _HOMED
     at_home = np.maximum.accumulate(homed) == _HOMED
     lost = commands.moves & ~(at_home & commands.known.all(axis=1))
-    findings += _told(lost, motion, "an axis moves while nobody knows where it is")
-    findings += _told(_released(commands), motion, "an axis moves after its motor was let go")
+    findings += _finding(lost, motion, "an axis moves while nobody knows where it is")
+    findings += _finding(_released(commands), motion, "an axis moves after its motor was let go")
     for command, harm in _FORBIDDEN.items():
-        findings += _told(commands.code == command, motion, f"a command {harm}")
+        findings += _finding(commands.code == command, motion, f"a command {harm}")
     return findings
 
 
@@ -142,10 +142,10 @@ def _numbers(commands: Commands, motion: _Motion, printer: PrinterProfile) -> li
     thick = motion.strand & (length > _LONG_MM)
     thick &= motion.fed.max(axis=1) * _FILAMENT_MM2 > _LARGEST_SECTION_MM2 * length
     return (
-        _told(unsaid, motion, "a move has no length or no speed")
-        + _told(wrong, motion, "a move is not as long as it says")
-        + _told(fast, motion, "an axis moves faster than it can")
-        + _told(thick, motion, "a strand gets more filament than any nozzle can lay")
+        _finding(unsaid, motion, "a move has no length or no speed")
+        + _finding(wrong, motion, "a move is not as long as it says")
+        + _finding(fast, motion, "an axis moves faster than it can")
+        + _finding(thick, motion, "a strand gets more filament than any nozzle can lay")
     )
 
 
@@ -160,7 +160,7 @@ def _outside(commands: Commands, motion: _Motion, printer: PrinterProfile) -> li
     off = (
         (motion.place[:, 0] > rightmost) | (motion.place < least).any(axis=1) | (motion.place[:, 1:] > most[1:]).any(1)
     )
-    return _told(motion.strand & beyond, motion, "a strand lies outside the reach of both nozzles") + _told(
+    return _finding(motion.strand & beyond, motion, "a strand lies outside the reach of both nozzles") + _finding(
         commands.moves & off, motion, "a move leaves the printer's space"
     )
 
@@ -170,7 +170,7 @@ def _wrong_axis(commands: Commands, motion: _Motion, printer: PrinterProfile) ->
     step = 1.5 / printer.steps_per_mm[3]  # at a tool change the counters may be rounded by one
     for tool, letter in enumerate(printer.tool_axes):
         wrong = (np.abs(motion.fed[:, tool]) > step) & (commands.tool != tool)
-        findings += _told(wrong, motion, f"filament axis {letter} moves while tool {tool} is not the active one")
+        findings += _finding(wrong, motion, f"filament axis {letter} moves while tool {tool} is not the active one")
     return findings
 
 
@@ -191,7 +191,7 @@ def _temperatures(commands: Commands, motion: _Motion, printer: PrinterProfile) 
             continue  # printed on a cold bed on purpose
         ready = _ready(commands, rows, targets, 1 if is_bed else printer.extrusion_temperature_c, wait, tool)
         what = "a strand is laid before the bed is warm" if is_bed else f"{name} moves its filament while it is cold"
-        findings += _told(used & ~ready, motion, what)
+        findings += _finding(used & ~ready, motion, what)
     return findings
 
 
@@ -221,13 +221,13 @@ def _tool_changes(commands: Commands, motion: _Motion, printer: PrinterProfile, 
     next_move = _following(np.flatnonzero(changed), motion.row)
     at_once = np.zeros(len(changed), dtype=bool)
     at_once[next_move] = (np.abs(motion.fed[next_move]) > _TOLERANCE_MM).any(axis=1) | motion.strand[next_move]
-    findings = _told(at_once, motion, "the move after a tool change, which shifts the nozzles, feeds filament")
+    findings = _finding(at_once, motion, "the move after a tool change, which shifts the nozzles, feeds filament")
     for tool in (0, 1):
         counter = np.cumsum(motion.fed[:, tool])
         before = counter - motion.fed[:, tool]
         pulled_back = np.maximum.accumulate(np.maximum(before, 0)) - before > _TOLERANCE_MM
         starved = motion.strand & (commands.tool == tool) & pulled_back
-        findings += _told(starved, motion, f"a strand of tool {tool} begins while its filament is pulled back")
+        findings += _finding(starved, motion, f"a strand of tool {tool} begins while its filament is pulled back")
     if tower is None:
         return findings
     first = _following(np.flatnonzero(changed), np.flatnonzero(motion.strand))
@@ -236,7 +236,7 @@ def _tool_changes(commands: Commands, motion: _Motion, printer: PrinterProfile, 
     low, high = tower - _TOLERANCE_MM, tower + _TOLERANCE_MM
     elsewhere = np.zeros(len(changed), dtype=bool)
     elsewhere[first] = ((begin[:, :2] < low[0]) | (begin[:, :2] > high[1])).any(axis=1) & ~priming_line
-    return findings + _told(elsewhere, motion, "a tool does not begin at the cleaning tower after a change")
+    return findings + _finding(elsewhere, motion, "a tool does not begin at the cleaning tower after a change")
 
 
 def _following(rows: IntArray, candidates: IntArray) -> IntArray:

@@ -47,22 +47,22 @@ class Track:
     inserted: list[tuple[int, bytes]]
 
 
-def follow(told: Program, name: str, printer: PrinterProfile) -> Track:
+def follow(content: Program, name: str, printer: PrinterProfile) -> Track:
     """The track of a program.
 
     Args:
-        told: the program.
+        content: the program.
         name: of the build, as the printer shows it.
         printer: that it is for.
     """
     follower = _Follower(name, printer)
-    follower.obey(told.start)
-    ends = [*told.places.tolist(), len(told.lines.tool)]
-    follower.print_lines(told.lines, slice(0, ends[0]))
-    for insertion, (begin, end) in zip(told.insertions, pairwise(ends), strict=True):
+    follower.obey(content.start)
+    ends = [*content.places.tolist(), len(content.lines.tool)]
+    follower.print_lines(content.lines, slice(0, ends[0]))
+    for insertion, (begin, end) in zip(content.insertions, pairwise(ends), strict=True):
         follower.obey(insertion.decode("ascii").splitlines())
-        follower.print_lines(told.lines, slice(begin, end))
-    follower.obey(told.end)
+        follower.print_lines(content.lines, slice(begin, end))
+    follower.obey(content.end)
     return follower.track()
 
 
