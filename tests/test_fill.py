@@ -11,6 +11,7 @@ from dualcolor.core.fill.walls import offset, offset_outlines, simplified, walls
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
 from fill_shapes import WIDTH, annulus, blobs, lines_of, shapes, square, stack, table_is_sound
+from shapely import affinity
 
 
 def shared(sliced, fill, layer, plan):
@@ -45,6 +46,15 @@ def test_fill_reaches_into_the_last_wall_by_the_overlap():
         walls, fill, _ = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)
         assert len(walls) == 1 + perimeters
         assert fill[0].bounds[2] == pytest.approx(10 - WIDTH * (perimeters + 0.5 - overlap / 100))
+
+
+def test_walls_cut_off_where_necks_begin_leave_no_hairs():
+    wedge = shapely.Polygon([(0, 0), (20, -1.2), (20, 1.2)])
+    islands = shapes([affinity.rotate(wedge, angle, origin=(0, 0)) for angle in range(0, 90, 3)])
+    wall = walls_and_fill(islands, np.full(len(islands), WIDTH), PrintSettings())[0][1]
+    assert (shapely.length(wall) > 20).all()
+    without = offset(offset(wall, -1e-4), 1e-4)
+    assert np.allclose(shapely.length(wall), shapely.length(without), atol=0.01)
 
 
 def test_skins_of_a_box_are_the_layers_asked_for():

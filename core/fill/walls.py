@@ -16,6 +16,7 @@ _SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls
 _NARROWEST = 0.7  # line widths between the lines on both sides of a neck
 _LEAST_NECK = 4.0  # line widths around it: sharp corners are no necks
 _FLAT = 0.05  # line widths, area by length: so thin a loop is its line printed twice
+_APART_MM = 1e-3  # overlays of edges that lie on one another take several times as long and leave slivers
 
 
 def simplified(shapes: Shapes, tolerance_mm: float) -> Shapes:
@@ -93,13 +94,13 @@ def _open_necks(walls: Shapes, rows: IntArray, width_mm: FloatArray) -> BoolArra
     Where both sides of a wall would be printed nearly on each other there is none: one line along the gap is as wide.
     """
     least = _NARROWEST / 2 * width_mm[rows]
-    wide = offset(offset(walls[rows], -least), least)
+    wide = offset(offset(walls[rows], -least), least + _APART_MM)
     parts, owner = shapely.get_parts(shapely.difference(walls[rows], wide), return_index=True)
     around, width = shapely.length(parts), width_mm[rows[owner]]
     large = around > _LEAST_NECK * width
     large |= (around > 2.0 * width) & (shapely.area(parts) < _FLAT * width * around)
     changed = np.bincount(owner[large], minlength=len(rows)) > 0
-    necks = gathered(parts[large], owner[large], len(rows))[changed]
+    necks = offset(gathered(parts[large], owner[large], len(rows))[changed], _APART_MM)
     walls[rows[changed]] = shapely.difference(walls[rows[changed]], necks)
     return changed
 
