@@ -15,6 +15,7 @@ from ..pattern.contours import Contours
 from ..pattern.sampling import Samples
 from ..pattern.visibility import at_arcs, visibility_warnings
 from ..printability.footing import footing_warnings, line_warnings
+from ..printability.hanging_walls import hanging_report, hanging_warnings
 from ..printability.slopes import slope_report, slope_warnings
 from ..printability.thin_features import thin_report, thin_warnings
 from ..settings import PrintSettings
@@ -24,6 +25,7 @@ from ..slicing.slices import Slices
 from ..statistics.breakdown import filament_report, swap_cost, time_report
 from ..statistics.single_color import single_color_seconds
 from ..toolpaths.moves import Moves
+from ..toolpaths.raft import raised
 from ..toolpaths.skirt import skirt_warnings
 from .path_stages import PrintedPaths, moves_without_swaps
 from .wall_stages import PaintedWall
@@ -55,7 +57,8 @@ def findings(
     report |= {"time_s": time_report(moves, settings, plain, seconds)}
     report |= {"filament": filament_report(moves, settings)} | _solid(wall, paths, moves, seconds, settings)
     report |= {"pattern": errors.shares(len(wall.samples.arc), at_arcs(wall.visibility, wall.lines, errors.arc))}
-    report |= {"slopes": slopes, "thin_features": thin}
+    hanging = hanging_report(paths.ordered, raised(cut.layers, settings), settings)
+    report |= {"slopes": slopes, "thin_features": thin, "hanging_walls": hanging}
     report["warnings"] = [
         *model.notes,
         *plate_warnings(model, mesh, cut.overlaps, settings),
@@ -64,6 +67,7 @@ def findings(
         *footing_warnings(mesh, model.names, cut.regions[0], settings),
         *line_warnings(settings),
         *thin_warnings(thin, settings),
+        *hanging_warnings(hanging, settings),
         *skirt_warnings(paths.beside.around, settings),
         *slope_warnings(slopes),
         *standby_warnings(moves, seconds, settings),

@@ -22,6 +22,7 @@ from ..statistics.single_color import Below, SingleColor, single_color
 from ..supports.grid_overlay import distinct
 from ..supports.paths import Supports, on_bed, supports
 from ..toolpaths.moves import Moves
+from ..toolpaths.order import OrderedPaths
 from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths
 from ..toolpaths.overhangs import undersides
 from ..toolpaths.raft import raised
@@ -45,6 +46,7 @@ class PrintedPaths:
         within: where travels may go.
         beside: what no tone changes.
         moves: the print in order.
+        ordered: its paths.
         thin: features too thin for a wall, worked out beside the stages.
         single_color: what is known of the same object in one colour, worked out beside the stages.
     """
@@ -53,6 +55,7 @@ class PrintedPaths:
     within: Rooms
     beside: Surrounded
     moves: Moves
+    ordered: OrderedPaths
     thin: Future[ThinFeatures]
     single_color: Future[SingleColor]
 
@@ -86,7 +89,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
     beside = Surrounded(holding.paths, around.result(), cut.layers, below.hanging, known.outlines)
     printed = layered("toolpaths", toolpaths, toolpaths_anew, (outer, fill, within), beside, settings)
-    return PrintedPaths(fill, within, beside, printed.moves, thin, alone)
+    return PrintedPaths(fill, within, beside, printed.moves, printed.paths, thin, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
