@@ -48,8 +48,8 @@ def repainted_layers(
         if not tiles.any():
             continue
         own = np.flatnonzero(pyramids.face_texture.take(lines.face) == number) if len(pictures) > 1 else slice(None)
-        # A look-up reads four texels of the next coarser level at most.
-        reach = 2.0 ** (np.ceil(pyramids.face_level.max(initial=0.0)) + 2)
+        # A look-up reads four texels of the next coarser level at most, one and a half of its texels away.
+        reach = 2.0 ** (np.ceil(pyramids.face_level.max(initial=0.0)) + 1)
         near = _grown(tiles, int(np.ceil(reach / tile)))
         row, column = _tile_of(lines.carried[own, 1], height / tile), _tile_of(lines.carried[own, 0], width / tile)
         touched[own] |= near.ravel().take(row * near.shape[1] + column)

@@ -30,7 +30,6 @@ _NOTES, _ORIGINAL = "_notes", "_original"
 MOST_BYTES = 1 << 30
 _BYTES_A_GEOMETRY = 200
 _BLOCK_WORDS = 1 << 15
-_LAYERS = "layers"
 _MOST_FRESH = 0.5  # of all layers; more are not worth it to keep the others
 
 
@@ -73,15 +72,18 @@ class StageCache:
         """A run begins: nothing is known of it."""
         self._is_known, self._is_whole, self._fresh = self._is_whole, False, None
 
-    def compare_layers(self, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]) -> None:
+    def compare_layers(
+        self, name: str, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]
+    ) -> None:
         """Find out on which layers the stages run by `run_layers` after this are given something else than last time.
 
         Args:
+            name: that what is given is kept under.
             same: what all layers depend on; if it is not what it was, all differ.
             given: what is to be compared.
             fresh: from what was given last time to the (L,) layers that differ, or None for all.
         """
-        held, self._held[_LAYERS], self._fresh = self._held.get(_LAYERS), _Held(same, {}, given), None
+        held, self._held[name], self._fresh = self._held.get(name), _Held(same, {}, given), None
         if self._is_known and held and _same(held.arguments, same):
             found = fresh(held.result)
             if found is not None:
@@ -154,7 +156,9 @@ class NoCache(StageCache):
         """The function's result."""
         return function(*arguments)
 
-    def compare_layers(self, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]) -> None:
+    def compare_layers(
+        self, name: str, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]
+    ) -> None:
         """There is nothing to compare with."""
 
     def run_layers(

@@ -117,9 +117,12 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     yield stages.begin(0.45, "tone")
     local = early is None and settings.solid_regions == "none"  # what is painted moves no line on another layer
     if local:
-        same = ("pictures", mesh, lines, samples, footprint, settings.texture_filter)
-        stages.compare_layers(same, model.textures, partial(repainted_layers, model.textures, pyramids, lines, layers))
+        same, pictures = (mesh, lines, samples, footprint, settings.texture_filter), model.textures
+        repainted = partial(repainted_layers, pictures, pyramids, lines, layers)
+        stages.compare_layers("pictures", same, pictures, repainted)
     tone = _tone(lines, pyramids, settings, stages) if early is None else early
+    if local:
+        stages.compare_layers("tones", (lines, samples), (tone,), partial(other_layers, (tone,), lines, layers))
     del charts, islands, known, painting, pyramids  # as large as the moves that are to come
     yield stages.begin(0.5, "modulation")
     slant = run("slant", _slant, lines, mesh, settings.wavelength)
@@ -129,7 +132,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
     if not local:
         columns = (tone, depth, set_back)
-        stages.compare_layers(("lines", lines, samples), columns, partial(other_layers, columns, lines, layers))
+        stages.compare_layers("walls", (lines, samples), columns, partial(other_layers, columns, lines, layers))
     of_wave = (lines, samples, tone, depth, set_back)
     outlines = layered("wave", waved, waved_anew, of_wave, settings, swapped)
     return PaintedWall(
