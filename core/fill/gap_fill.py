@@ -22,9 +22,7 @@ _INTO_WAVES = 0.4
 _LEAST = 0.25  # line widths: narrower gaps between straight walls stay, less than half of the narrowest line
 _SMALLEST_MM2 = 0.1
 _LOST = 0.5  # line widths of length that walls lose for other reasons
-# Line widths: where all lies nearer to the inner line, a gap would be too short for a line of its own; fins more so,
-# which begin where the inner line's strand ends, while necks lie between two of them.
-_NEAR, _NEAR_FINS = 1.7, 2.0
+_NEAR = 2.0  # line widths: what is left out nearer to the inner line would be a gap too short for a line of its own
 _CORNER = 0.1  # line widths: corners of walls are no gaps
 _SAMPLE = 0.5  # line widths between the boundary's points that the middle is found from
 _SHORTEST, _LONGEST = 1.0, 5.0  # line widths, of a line in a gap and of its pieces, each with a width of its own
@@ -77,18 +75,12 @@ def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margi
 
 
 def _strays(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray) -> BoolArray:
-    """(I,) bool, where some of the outer wall lies farther from the inner one than its corners do.
+    """(I,) bool, where some of the outer wall may lie farther from the inner one than its corners do.
 
-    Where all edges have moved, only what was left out can, and that are fins; elsewhere GEOS has to tell.
+    Where all edges have moved, only what was left out can; nearly everywhere else some does.
     """
-    left_out = shapely.points(step.left_out)
-    far = ~shapely.dwithin(left_out, inner[step.owner], _NEAR_FINS * width_mm[step.owner])
-    strays = np.bincount(step.owner, far, len(outer)) > 0
-    rows = np.flatnonzero(~step.sound)
-    near = shapely.buffer(inner[rows], _NEAR * width_mm[rows], quad_segs=2)
-    shapely.prepare(near)
-    strays[rows] = ~shapely.contains_properly(near, outer[rows])
-    return strays
+    far = ~shapely.dwithin(shapely.points(step.left_out), inner[step.owner], _NEAR * width_mm[step.owner])
+    return np.asarray(~step.sound | (np.bincount(step.owner, far, len(outer)) > 0))
 
 
 def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArray:
