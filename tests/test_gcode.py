@@ -12,6 +12,7 @@ from dualcolor.core.gcode.numbers import (
     five_decimals,
     whole_texts,
 )
+from dualcolor.core.gcode.sequences import end_sequence
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
 from dualcolor.core.presets import preset_values
@@ -26,7 +27,7 @@ NUMBER = r"-?\d+\.\d{3}"
 ALLOWED = re.compile(
     rf"""G1(\ X{NUMBER})?(\ Y{NUMBER})?(\ Z{NUMBER})?(\ [AB]-?\d+\.\d{{5}})?(\ F\d+)?
     |G1\ Z0\ F900|G92\ X\d+\ Y\d+\ Z-?\d+\ A0\ B0|G161\ Z\ F\d+|G162\ X\ Y\ F\d+
-    |M18\ A\ B|M7[23]\ P\d+|M104\ S\d+\ T[01]|M109\ S\d+\ T0|M132\ X\ Y\ Z\ A\ B
+    |M18\ A\ B|M18\ X\ Y\ Z|M7[23]\ P\d+|M104\ S\d+\ T[01]|M109\ S\d+\ T0|M132\ X\ Y\ Z\ A\ B
     |M13[345]\ T[01]|M136|M137|;@machine\ r2x|;@flavor\ makerbot|;[^;@\#()]*""",
     re.VERBOSE,
 )
@@ -272,3 +273,13 @@ def test_gpx_accepts_the_file(tmp_path):
     assert convert(path) == []
     path.write_bytes(path.read_bytes() + b"M999\n")
     assert convert(path) != []  # the judge is awake
+
+
+@pytest.mark.parametrize("printer", ["replicator_2x", "replicator_dual"])
+def test_the_carriage_is_clear_of_the_tallest_print_before_it_goes_home(printer):
+    settings = PrintSettings(printer=printer)
+    lines = end_sequence(settings, 0, 100.0)
+    home = next(number for number, line in enumerate(lines) if line.startswith("G162"))
+    (height,) = (float(line.split()[1][1:]) for line in lines[:home] if line.startswith("G1 Z"))
+    assert settings.printer_profile.reach_max[2] < height <= settings.printer_profile.bed_max[2]
+    assert {"M18 A B", "M18 X Y Z"} <= set(lines) and lines.index("M18 X Y Z") > home

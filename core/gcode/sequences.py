@@ -62,7 +62,7 @@ def start_sequence(
 
 
 def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str]:
-    """Pull the filament back, lower the bed, home, switch everything off and end the build.
+    """Pull the filament back, lower the bed all the way, home, switch everything off and end the build.
 
     Args:
         settings: of the print.
@@ -76,8 +76,9 @@ def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str
     return [
         f"G1 {axis}{counter - settings.retract_length:.5f} F{settings.retract_speed * 60:.0f}",
         "M18 A B",
-        f"G1 Z{printer.reach_max[2]:.3f} F{printer.lift_mm_min}",
+        f"G1 Z{printer.bed_max[2]:.3f} F{printer.lift_mm_min}",  # clear of the tallest print
         f"G162 X Y F{printer.homing_mm_min[0]:.0f}",
+        "M18 X Y Z",
         "M109 S0 T0",
         "M104 S0 T0",
         "M104 S0 T1",
