@@ -13,6 +13,7 @@ from ..records import dataclass
 from ..toolpaths.moves import Moves
 from .spans import unsupported_distance
 
+_SAME_PLACE = 1e-3  # mm, of an end and a beginning; a file has no finer coordinates
 _PIECE = 0.25  # mm between the points of a line over air, at least where it begins to be
 _TOUCHING = 0.01  # mm; lines side by side are a half width away from one between them, give or take the last digit
 _ROUNDING = 0.02  # of a piece: lengths of round numbers are cut alike whatever their last digit
@@ -81,13 +82,14 @@ def offsets(counts: IntArray) -> IntArray:
 def strands(moves: Moves) -> Strands:
     """The strands that the moves lay down, as if all of them rested on material; see `settled`.
 
-    Consecutive extruding rows of one tool, feature, layer and height make one strand; it starts where the nozzle
-    stood before its first row. A row that extrudes without a move before it has nowhere to start from and is left out.
+    Extruding rows of one tool, feature, layer and height that go on where the last one ended make one strand; it starts
+    where the nozzle stood before its first row. A row that extrudes without a move before it has nowhere to start from and is left out.
     """
     rows = np.flatnonzero(moves.extrudes)
     rows = rows[rows > 0]
     begins = np.ones(len(rows), dtype=bool)
-    begins[1:] = np.diff(rows) > 1
+    jump = moves.position.take(rows[1:] - 1, axis=0) - moves.position.take(rows[:-1], axis=0)
+    begins[1:] = (np.abs(jump) > _SAME_PLACE).any(axis=1)
     for column in (moves.tool, moves.feature, moves.layer, moves.height):
         values = column[rows]
         begins[1:] |= values[1:] != values[:-1]
