@@ -17,7 +17,7 @@ from .bed import bounds_mm
 from .image_input import image_colours
 from .printed_materials import printed_materials
 from .units import mm_per_unit
-from .unwrap import smart_project
+from .unwrap import GAP_MM, smart_project
 
 PALETTE = "Dual-Color Greys"
 GREYS = 11
@@ -52,6 +52,7 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
     paint = bpy.context.scene.tool_settings.image_paint
     paint.mode, paint.canvas = "IMAGE", image
     paint.palette = _palette()
+    paint.seam_bleed = max(paint.seam_bleed, round(GAP_MM / 2 * max(image.size) / _side_mm(obj)))
     _take_black(paint)
     return image
 
@@ -107,6 +108,19 @@ def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
 
     Objects too large for the printer count as large as it can print: the cube of a new scene is two metres wide.
     """
+    printer = printer_profile(obj.dualcolor.printer)
+    size = np.ptp(bounds_mm([obj]), axis=0)
+    too_large = max(1.0, float((size / np.subtract(printer.reach_max, printer.reach_min)).max()))
+    texels = _side_mm(obj) / texel_mm / too_large
+    return int(min(max(2 ** math.ceil(math.log2(max(texels, 1.0))), SMALLEST), LARGEST))
+
+
+def _side_mm(obj: bpy.types.Object) -> float:
+    """What the side of a picture is on the surface, on average over its charts.
+
+    Raises:
+        TextureError: the UV map has no area.
+    """
     mesh = obj.data
     mesh.calc_loop_triangles()
     corner = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
@@ -123,11 +137,7 @@ def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
     surface = np.linalg.norm(np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]), axis=1).sum() / 2
     if not charted > 0:
         raise TextureError(f"the UV map of {obj.name} has no area", "unwrap the mesh again")
-    printer = printer_profile(obj.dualcolor.printer)
-    size = np.ptp(bounds_mm([obj]), axis=0)
-    too_large = max(1.0, float((size / np.subtract(printer.reach_max, printer.reach_min)).max()))
-    texels = math.sqrt(surface / charted) / texel_mm / too_large
-    return int(min(max(2 ** math.ceil(math.log2(max(texels, 1.0))), SMALLEST), LARGEST))
+    return math.sqrt(surface / charted)
 
 
 def grey_picture(image: bpy.types.Image, grade: Grade) -> bpy.types.Image:

@@ -1,8 +1,11 @@
 """Model files end up as one upright object of the wanted size; unwrapping keeps what was there."""
 
+from itertools import combinations, pairwise
+
 import bpy
 import numpy as np
 import pytest
+import shapely
 from dualcolor.bridge.model_file import open_model
 from dualcolor.bridge.unwrap import unwrap
 from dualcolor.core.errors import MeshError, PrintError
@@ -230,6 +233,18 @@ def test_unwrapping_fills_the_square_without_overlap_and_keeps_old_maps(method):
     area = [_uv_area(uv[a:b]) for a, b in zip(model.polygon_start[:-1], model.polygon_start[1:], strict=True)]
     assert min(area) > 0.005 and 0.3 < sum(area) <= 1
     assert volume(model) == pytest.approx(6000, rel=1e-5)
+
+
+@pytest.mark.parametrize("side", [8, 20, 60])
+def test_smart_charts_are_half_a_millimetre_apart(side):
+    fresh()
+    box = add_box((side, side, side))
+    unwrap(box, "smart")
+    model = model_of(box)
+    charts = [shapely.Polygon(model.corner_uv[a:b]) for a, b in pairwise(model.polygon_start)]
+    mm = side / np.sqrt(charts[0].area)
+    apart = [one.distance(other) * mm for one, other in combinations(charts, 2)]
+    assert 0.4 < min(gap for gap in apart if gap) < 0.8  # three charts of this box are one
 
 
 def _uv_area(polygon):

@@ -1,5 +1,7 @@
 """From a bare mesh to a picture that can be painted on, and from a coloured picture to a grey one."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -77,6 +79,8 @@ def test_painting_is_set_up_on_a_bare_mesh(registered):
     paint = bpy.context.scene.tool_settings.image_paint
     assert paint.canvas.name == "box Tone" and paint.canvas.size[0] >= 512
     assert min(paint.canvas.pixels[:4]) == 1.0
+    texel = 40 * math.sqrt(6 / 0.6) / paint.canvas.size[0]  # charts fill a part of the picture
+    assert 0.18 < paint.seam_bleed * texel < 0.32  # mm: half of what is between charts
     bpy.ops.object.mode_set(mode="OBJECT")
 
 

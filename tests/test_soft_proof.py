@@ -9,11 +9,13 @@ bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.image_input import image_tone  # noqa: E402
 from dualcolor.bridge.instrument import Face  # noqa: E402
+from dualcolor.bridge.painting import picture_of  # noqa: E402
 from dualcolor.bridge.picture_objects import add_picture_object  # noqa: E402
 from dualcolor.bridge.picture_print import picture_print  # noqa: E402
 from dualcolor.bridge.proof_picture import proof_picture  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
 from dualcolor.bridge.soft_proof import show_proof  # noqa: E402
+from dualcolor.bridge.unwrap import smart_project  # noqa: E402
 from dualcolor.core.calibration.calibrate import table_for  # noqa: E402
 from dualcolor.core.calibration.gamut_mapping import printable_tones  # noqa: E402
 from dualcolor.core.model import ToneImage  # noqa: E402
@@ -23,6 +25,7 @@ from dualcolor.core.pictures.shapes import picture_plate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.soft_proof import TAPS, proof_table, proof_window, tone_range  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
+from mathutils import Matrix  # noqa: E402
 from scene import add_box, add_material, add_mesh, add_uvs, flat_image, fresh, model_of  # noqa: E402
 
 
@@ -141,6 +144,28 @@ def test_unpainted_parts_have_the_background_tone(registered):
     bpy.ops.dualcolor.soft_proof()
     table = proof_table(to_settings(wall.dualcolor), (0.3, 0.3))
     assert proof_picture(wall, face, 1.0, samples=1).mean() == pytest.approx(expected(table, 0.3, 0), abs=0.01)
+
+
+@pytest.mark.parametrize("tone", [0.0, 1.0])
+@pytest.mark.parametrize("size", [8.0, 20.0])
+def test_no_other_chart_shows_along_the_borders_of_one_that_was_unwrapped_here(registered, size, tone):
+    """One side has a tone, all others another one; strokes go on beyond all of them as Set Up Painting has it."""
+    box = add_box((size, size, size))
+    box.data.transform(Matrix.Translation((-size / 3, -size / 2, -size / 4)))  # so that no charts meet by chance
+    smart_project(box)
+    bpy.ops.dualcolor.set_up_painting()
+    texels = picture_of(box).size[0]
+    uv = np.array([each.vector for each in box.data.uv_layers.active.uv]).reshape(6, 4, 2) * texels
+    place = np.stack(np.meshgrid(*[np.arange(texels) + 0.5] * 2), axis=-1)
+    beyond = np.maximum(uv.min(axis=1) - place[..., None, :], place[..., None, :] - uv.max(axis=1)).max(axis=-1)
+    front = next(face for face in box.data.polygons if face.normal.y < -0.9)
+    bleed = bpy.context.scene.tool_settings.image_paint.seam_bleed
+    mine = (beyond.argmin(axis=-1) == front.index) & (beyond[..., front.index] < bleed)
+    picture_of(box).pixels.foreach_set(picture(np.where(mine, tone, 1 - tone)).pixels[:])
+    bpy.ops.dualcolor.soft_proof()
+    seen = proof_picture(box, Face(tuple(front.center), size, size, 0.0), 0.05, samples=2)
+    inner = seen[1:-1, 1:-1]  # beside the silhouette the camera sees a part of a pixel
+    assert np.nanmax(inner) - np.nanmin(inner) < 0.01
 
 
 def test_table_is_that_of_the_job_and_says_when_there_is_none(monkeypatch):
