@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Future
+
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage
@@ -22,7 +24,7 @@ def other_layers(
 
 def repainted_layers(
     pictures: tuple[ToneImage, ...],
-    pyramids: TexturePyramids,
+    made: Future[TexturePyramids],
     lines: Contours,
     layers: int,
     former: tuple[ToneImage, ...],
@@ -31,29 +33,49 @@ def repainted_layers(
 
     Args:
         pictures: as they are.
-        pyramids: of these.
+        made: pyramids of these, still being built perhaps.
         lines: N contour points.
         layers: L.
         former: the pictures as they were.
     """
-    if len(former) != len(pictures) or pyramids.texture_filter == "lanczos":
+    if len(former) != len(pictures):
         return None
-    touched = np.zeros(len(lines.face), dtype=bool)
-    for number, (one, other) in enumerate(zip(former, pictures, strict=True)):
-        if one.tone.shape != other.tone.shape:
+    painted = [_painted_tiles(one, other) for one, other in zip(former, pictures, strict=True)]
+    pyramids, touched = made.result(), np.zeros(len(lines.face), dtype=bool)
+    if pyramids.texture_filter == "lanczos":
+        return None
+    # A look-up reads four texels of the next coarser level at most, one and a half of its texels away.
+    reach = 2.0 ** (np.ceil(pyramids.face_level.max(initial=0.0)) + 1)
+    for number, found in enumerate(painted):
+        if found is None:
             return None
-        height, width = one.tone.shape
-        tile = max(height // _TILES, width // _TILES, 1)
-        tiles = _differing(one.tone, other.tone, tile) | _differing(one.alpha, other.alpha, tile)
+        tiles, rows, columns = found
         if not tiles.any():
             continue
-        own = np.flatnonzero(pyramids.face_texture.take(lines.face) == number) if len(pictures) > 1 else slice(None)
-        # A look-up reads four texels of the next coarser level at most, one and a half of its texels away.
-        reach = 2.0 ** (np.ceil(pyramids.face_level.max(initial=0.0)) + 1)
-        near = _grown(tiles, int(np.ceil(reach / tile)))
-        row, column = _tile_of(lines.carried[own, 1], height / tile), _tile_of(lines.carried[own, 0], width / tile)
+        others = (pyramids.face_texture != number).any()
+        own = np.flatnonzero(pyramids.face_texture.take(lines.face) == number) if others else slice(None)
+        near = _grown(tiles, int(np.ceil(reach / _tile_texels(pictures[number]))) + 1)
+        row, column = _tile_of(lines.carried[own, 1], rows), _tile_of(lines.carried[own, 0], columns)
         touched[own] |= near.ravel().take(row * near.shape[1] + column)
     return _layers_of(touched, lines, layers)
+
+
+def _painted_tiles(former: ToneImage, picture: ToneImage) -> tuple[BoolArray, float, float] | None:
+    """(R, C) tiles in which a picture differs from the former one, and how many rows and columns of them it has.
+
+    None where that is not enough to know: pictures of another size, or one of both being opaque.
+    """
+    if former.tone.shape != picture.tone.shape:
+        return None
+    tile, (height, width) = _tile_texels(picture), picture.tone.shape
+    veiled = _differing(former.alpha, picture.alpha, tile)
+    if veiled.any() and (former.alpha.min() == 1) != (picture.alpha.min() == 1):
+        return None
+    return veiled | _differing(former.tone, picture.tone, tile), height / tile, width / tile
+
+
+def _tile_texels(picture: ToneImage) -> int:
+    return max(*(side // _TILES for side in picture.tone.shape), 1)
 
 
 def _differing(one: Float32Array, other: Float32Array, tile: int) -> BoolArray:

@@ -111,15 +111,15 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     seen = run("visibility", seam_visibility, lines, cut.layers.plane, mesh, shown, early, settings)
     samples = run("sampling", pattern_samples, lines, projector, settings, seen)
     yield stages.begin(0.4, "texture")
-    pyramids = painting.result()
     errors = aside("seam errors", seam_errors, lines, samples, projector)
-    paint = aside("slopes", face_contrast, mesh, pyramids, settings)
+    paint = aside("slopes", face_contrast, mesh, painting, settings)
     yield stages.begin(0.45, "tone")
     local = early is None and settings.solid_regions == "none"  # what is painted moves no line on another layer
     if local:
         same, pictures = (mesh, lines, samples, footprint, settings.texture_filter), model.textures
-        repainted = partial(repainted_layers, pictures, pyramids, lines, layers)
+        repainted = partial(repainted_layers, pictures, painting, lines, layers)
         stages.compare_layers("pictures", same, pictures, repainted)
+    pyramids = painting.result()
     tone = _tone(lines, pyramids, settings, stages) if early is None else early
     if local:
         stages.compare_layers("tones", (lines, samples), (tone,), partial(other_layers, (tone,), lines, layers))
