@@ -1,7 +1,7 @@
 """Seams of both samplings on eight models: `sampling.py [FOLDER OF MESHES]` prints the table of docs/sampling.md.
 
 The meshes are those of the test data (`../shared/data/meshes` by default); what is missing is left out. Both schemes
-run on the same contours with the same bounds and are measured with the same probes (`core/pattern/quality.py`).
+run on the same contours with the same bounds and are measured with the same probes (`core/sampling/quality.py`).
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from launcher import load_package  # noqa: E402
 
 load_package()
 from dualcolor.core.analysis.tracelines import tracelines  # noqa: E402
+from dualcolor.core.contours.contours import Contours, contours  # noqa: E402
 from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402
-from dualcolor.core.pattern.contours import Contours, contours  # noqa: E402
-from dualcolor.core.pattern.optimized import optimized_samples  # noqa: E402
-from dualcolor.core.pattern.quality import seam_errors  # noqa: E402
-from dualcolor.core.pattern.sampling import Projector, Samples, sample  # noqa: E402
+from dualcolor.core.sampling.optimized import optimized_samples  # noqa: E402
+from dualcolor.core.sampling.quality import seam_errors  # noqa: E402
+from dualcolor.core.sampling.sampling import Projector, Samples, sample  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.slicing.slices import slices  # noqa: E402
 

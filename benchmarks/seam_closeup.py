@@ -25,9 +25,9 @@ from dualcolor.bridge.instrument import Face, photograph  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.analysis.study import Analysis, analyse  # noqa: E402
 from dualcolor.core.analysis.surface_curves import surface_points  # noqa: E402
+from dualcolor.core.contours.slant import slant_along  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
-from dualcolor.core.pattern.slant import slant_along  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402

@@ -1,10 +1,10 @@
 """The stages of the pattern one by one, from a model to its waves."""
 
 import numpy as np
+from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
-from dualcolor.core.pattern.contours import contours
-from dualcolor.core.pattern.sampling import Projector, sample
 from dualcolor.core.pattern.wave import modulated, waved
+from dualcolor.core.sampling.sampling import Projector, sample
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 

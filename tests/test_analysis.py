@@ -17,13 +17,13 @@ from dualcolor.core.analysis.surface_curves import (
     trace_curves,
 )
 from dualcolor.core.analysis.tracelines import tracelines
+from dualcolor.core.contours.contours import places
 from dualcolor.core.errors import PrintError
 from dualcolor.core.mesh.surface_points import points_on_faces
 from dualcolor.core.mesh.triangles import triangulate
-from dualcolor.core.pattern.quality import SeamErrors
-from dualcolor.core.pattern.sampling import Projector, Samples
-from dualcolor.core.pattern.wave import places
 from dualcolor.core.printability.slopes import face_contrast, slope_report, slope_warnings
+from dualcolor.core.sampling.quality import SeamErrors
+from dualcolor.core.sampling.sampling import Projector, Samples
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.texture.pyramid import build_pyramids
 from dualcolor.tests.solids import box, cylinder, lathe, surface

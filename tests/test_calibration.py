@@ -11,8 +11,8 @@ from dualcolor.core.calibration.readings import read_tones
 from dualcolor.core.calibration.sweep import Sweep, angles_of, read_sweep, read_sweeps, sweep_path, write_sweep
 from dualcolor.core.calibration.table import isotonic, read_table, table_of, write_table
 from dualcolor.core.calibration.tile import gradient_tile, profile_tile, step_tile
+from dualcolor.core.contours.slant import face_slant_deg
 from dualcolor.core.errors import CalibrationError
-from dualcolor.core.pattern.slant import face_slant_deg
 from dualcolor.core.pipeline import generate
 from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings

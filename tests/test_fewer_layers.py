@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
-from dualcolor.core.pattern.contours import contours
-from dualcolor.core.pattern.fewer_layers import fewer_layers
-from dualcolor.core.pattern.phase_grid import phase_grid
-from dualcolor.core.pattern.sampling import Projector
-from dualcolor.core.pattern.whole_waves import Phase
 from dualcolor.core.ragged import sums
+from dualcolor.core.sampling.fewer_layers import fewer_layers
+from dualcolor.core.sampling.phase_grid import phase_grid
+from dualcolor.core.sampling.sampling import Projector
+from dualcolor.core.sampling.whole_waves import Phase
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import box, joined, lathe

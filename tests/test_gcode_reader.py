@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.contours.grid import PointGrid
 from dualcolor.core.errors import PrintError
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.paths import Feature
-from dualcolor.core.pattern.grid import PointGrid
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.strands.beads import strands

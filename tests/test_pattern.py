@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.pattern.along_loops import filtered, gaussian
-from dualcolor.core.pattern.contours import long_enough
-from dualcolor.core.pattern.grid import PointGrid, nearest
-from dualcolor.core.pattern.quality import seam_errors
-from dualcolor.core.pattern.sampling import Projector
+from dualcolor.core.contours.along_loops import filtered, gaussian
+from dualcolor.core.contours.contours import long_enough
+from dualcolor.core.contours.grid import PointGrid, nearest
+from dualcolor.core.sampling.quality import seam_errors
+from dualcolor.core.sampling.sampling import Projector
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.pattern_stages import WAVE_OFFSET, lines_of, sampled
 from dualcolor.tests.solids import box, cylinder, joined, lathe

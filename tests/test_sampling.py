@@ -6,17 +6,17 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 import shapely
+from dualcolor.core.contours.contours import contours, long_enough
 from dualcolor.core.job.wall_stages import pattern_samples
 from dualcolor.core.mesh.triangles import triangulate
-from dualcolor.core.pattern.contours import contours, long_enough
-from dualcolor.core.pattern.optimized import optimized_samples
-from dualcolor.core.pattern.phase_grid import phase_grid
-from dualcolor.core.pattern.quality import seam_errors
-from dualcolor.core.pattern.sampling import Projector, sample
-from dualcolor.core.pattern.spacing import bounded, pushed
 from dualcolor.core.pattern.strand_edges import widened
 from dualcolor.core.pattern.wave import modulated, waved
-from dualcolor.core.pattern.wave_plan import Search, _Curl
+from dualcolor.core.sampling.optimized import optimized_samples
+from dualcolor.core.sampling.phase_grid import phase_grid
+from dualcolor.core.sampling.quality import seam_errors
+from dualcolor.core.sampling.sampling import Projector, sample
+from dualcolor.core.sampling.spacing import bounded, pushed
+from dualcolor.core.sampling.wave_plan import Search, _Curl
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import box, cylinder, joined, lathe
@@ -84,7 +84,7 @@ def test_spacing_is_bounded_on_random_solids(seed, wavelength):
     lines = lines_of(random_solid(seed), chosen)
     rough, quick = Search(((4, 6, 30),), 20), Search(((6, 1, 30),), 20)
     for enough in (0.0, 1.0):
-        with patch.multiple("dualcolor.core.pattern.optimized", SEARCH=rough, QUICK_SEARCH=quick, QUICK_ENOUGH=enough):
+        with patch.multiple("dualcolor.core.sampling.optimized", SEARCH=rough, QUICK_SEARCH=quick, QUICK_ENOUGH=enough):
             for samples in both(lines, chosen)[:2]:
                 assert_bounds(lines, samples, chosen)
 

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
-from dualcolor.core.pattern.contours import contours
-from dualcolor.core.pattern.optimized import LONGER_POLISH, POLISH, QUICK_POLISH, optimized_samples
-from dualcolor.core.pattern.phase_grid import phase_grid
-from dualcolor.core.pattern.quality import seam_errors
-from dualcolor.core.pattern.sampling import Projector, Samples
-from dualcolor.core.pattern.seam_polish import Stage, _pairs, _Waves, polished, sharpness
-from dualcolor.core.pattern.spacing import bounded
+from dualcolor.core.sampling.optimized import LONGER_POLISH, POLISH, QUICK_POLISH, optimized_samples
+from dualcolor.core.sampling.phase_grid import phase_grid
+from dualcolor.core.sampling.quality import seam_errors
+from dualcolor.core.sampling.sampling import Projector, Samples
+from dualcolor.core.sampling.seam_polish import Stage, _pairs, _Waves, polished, sharpness
+from dualcolor.core.sampling.spacing import bounded
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import lathe

@@ -5,15 +5,14 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 from dualcolor.commands.terminal import summary
+from dualcolor.core.contours.contours import contours
+from dualcolor.core.contours.slant import slant_along
 from dualcolor.core.exports import export_gcode, export_x3g
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.job.wall_stages import pattern_tone
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.paths import Feature
-from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.modulation import layer_is_black
-from dualcolor.core.pattern.sampling import Projector
-from dualcolor.core.pattern.slant import slant_along
 from dualcolor.core.pattern.solid_regions import (
     connected,
     left_to_other_tool,
@@ -23,6 +22,7 @@ from dualcolor.core.pattern.solid_regions import (
 )
 from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate
+from dualcolor.core.sampling.sampling import Projector
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.strands.beads import strands

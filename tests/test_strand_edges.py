@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.pattern.contours import Contours
+from dualcolor.core.contours.contours import Contours
 from dualcolor.core.pattern.strand_edges import widened
 from dualcolor.core.settings import PrintSettings
 

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import shapely
+from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import SupportMark, SupportVolume
 from dualcolor.core.paths import Feature, Paths
-from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings

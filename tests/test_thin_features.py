@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
-from dualcolor.core.pattern.contours import contours
 from dualcolor.core.pipeline import generate
 from dualcolor.core.printability.thin_features import thin_features, thin_report
 from dualcolor.core.settings import PrintSettings

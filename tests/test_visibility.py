@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dualcolor.core.analysis.study import analyse
+from dualcolor.core.contours.contours import contours
 from dualcolor.core.errors import SettingsError, TextureError
 from dualcolor.core.job.stage_cache import StageCache
 from dualcolor.core.job.wall_stages import pattern_samples
 from dualcolor.core.mesh.plate import plate
 from dualcolor.core.mesh.triangles import triangulate
-from dualcolor.core.pattern.contours import contours
-from dualcolor.core.pattern.quality import SALIENT, seam_errors
-from dualcolor.core.pattern.sampling import Projector
-from dualcolor.core.pattern.visibility import crease_visibility, front_visibility, seam_visibility, tone_visibility
 from dualcolor.core.pipeline import generate
+from dualcolor.core.sampling.quality import SALIENT, seam_errors
+from dualcolor.core.sampling.sampling import Projector
+from dualcolor.core.sampling.visibility import crease_visibility, front_visibility, seam_visibility, tone_visibility
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import box, cylinder, lathe, picture

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 import shapely
+from dualcolor.core.contours.contours import average_along_wall
 from dualcolor.core.pattern.modulation import faded, layer_sign, shape, supported, wave_reach
-from dualcolor.core.pattern.quality import phase_at
-from dualcolor.core.pattern.wave import average_along_wall
+from dualcolor.core.sampling.quality import phase_at
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.pattern_stages import WAVE, WAVE_OFFSET, lines_of, printed
 from dualcolor.tests.solids import box, cylinder, joined

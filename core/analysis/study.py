@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
+from ..contours.contours import Contours
 from ..job.stages import Stages
 from ..job.wall_stages import wall_stages
 from ..mesh.triangles import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, TriangleMesh
-from ..pattern.contours import Contours
 from ..pattern.modulation import layer_is_black, shape, supported
-from ..pattern.quality import SeamErrors
-from ..pattern.sampling import Projector, Samples
-from ..pattern.visibility import at_arcs, visibility_warnings
 from ..pattern.wave import modulated
 from ..printability.slopes import FaceContrast, face_contrast, slope_report, slope_warnings
 from ..progress import Progress, drained
 from ..records import dataclass
+from ..sampling.quality import SeamErrors
+from ..sampling.sampling import Projector, Samples
+from ..sampling.visibility import at_arcs, visibility_warnings
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..texture.pyramid import build_pyramids

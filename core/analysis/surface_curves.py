@@ -6,13 +6,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..contours.contours import Contours, places
 from ..model import BoolArray, FloatArray, IntArray
-from ..pattern.contours import Contours
-from ..pattern.quality import PROBE_SPACING, SeamErrors
-from ..pattern.sampling import Samples
-from ..pattern.wave import places
 from ..ragged import starts
 from ..records import dataclass
+from ..sampling.quality import PROBE_SPACING, SeamErrors
+from ..sampling.sampling import Samples
 from .tracelines import Tracelines
 
 Rgb = tuple[float, float, float]

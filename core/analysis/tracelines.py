@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.contours import Contours
 from ..model import BoolArray, FloatArray, IntArray
-from ..pattern.contours import Contours
-from ..pattern.sampling import Projector, Samples
 from ..ragged import starts
 from ..records import dataclass
+from ..sampling.sampling import Projector, Samples
 
 
 @dataclass(frozen=True)

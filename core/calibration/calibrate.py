@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..contours.contours import POINTS_PER_WAVELENGTH
 from ..errors import CalibrationError
 from ..model import FloatArray
 from ..parallel import CHUNK_ROWS
-from ..pattern.contours import POINTS_PER_WAVELENGTH
 from ..records import dataclass
 from ..settings import PrintSettings
 from .gamut_mapping import image_range, printable_tones

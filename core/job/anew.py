@@ -10,14 +10,14 @@ import numpy as np
 import shapely
 
 from ..calibration.calibrate import ToneCurve
+from ..contours.contours import Contours
 from ..fill.bridges import Bridges
 from ..fill.paths import fill_areas, fill_lines
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..paths import Paths
-from ..pattern.contours import Contours
-from ..pattern.sampling import Samples
 from ..pattern.strand_edges import widened
 from ..pattern.wave import WavedOutlines, modulated, valley_lines, waved
+from ..sampling.sampling import Samples
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids

@@ -6,18 +6,18 @@ from typing import Any
 
 import numpy as np
 
+from ..contours.contours import Contours
 from ..gcode.standby import standby_warnings
 from ..mesh.plate import object_rows, plate_warnings
 from ..mesh.triangles import size_warnings
 from ..model import FloatArray, SurfaceModel, TriangleMesh
 from ..paths import Feature
-from ..pattern.contours import Contours
-from ..pattern.sampling import Samples
-from ..pattern.visibility import at_arcs, visibility_warnings
 from ..printability.footing import footing_warnings, line_warnings
 from ..printability.hanging_walls import hanging_report, hanging_warnings
 from ..printability.slopes import slope_report, slope_warnings
 from ..printability.thin_features import thin_report, thin_warnings
+from ..sampling.sampling import Samples
+from ..sampling.visibility import at_arcs, visibility_warnings
 from ..settings import PrintSettings
 from ..slicing.open_layers import open_warnings
 from ..slicing.planes import line_widths

@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ..contours.contours import Contours
 from ..model import BoolArray
-from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines
 from ..ragged import starts
 from ..toolpaths.moves import Moves

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 from shapely import Geometry, get_parts
 
+from ..contours.contours import Contours
 from ..fill.paths import fill_areas, fill_lines
 from ..model import FloatArray, IntArray, Shapes
 from ..paths import Paths
-from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines
 from ..printability.thin_features import ThinFeatures, thin_features
 from ..progress import Progress

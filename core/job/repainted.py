@@ -6,8 +6,8 @@ from concurrent.futures import Future
 
 import numpy as np
 
+from ..contours.contours import Contours
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage
-from ..pattern.contours import Contours
 from ..texture.pyramid import TexturePyramids
 
 _TILES = 64  # along the longer side of a picture

@@ -11,20 +11,20 @@ from typing import Any
 import numpy as np
 
 from ..calibration.calibrate import tone_curve
+from ..contours.contours import Contours, average_along_wall, contours, reach_of
+from ..contours.slant import slant_along
 from ..fill.closing import Closing, closing
 from ..mesh.triangles import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, ToneImage, TriangleMesh
-from ..pattern.contours import Contours, contours, reach_of
-from ..pattern.optimized import optimized_samples
-from ..pattern.quality import SeamErrors, seam_errors
-from ..pattern.sampling import Projector, Samples, sample
-from ..pattern.slant import slant_along
 from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
-from ..pattern.visibility import seam_visibility
-from ..pattern.wave import WavedOutlines, average_along_wall, waved
+from ..pattern.wave import WavedOutlines, waved
 from ..printability.slopes import FaceContrast, face_contrast
 from ..progress import Progress
 from ..records import dataclass
+from ..sampling.optimized import optimized_samples
+from ..sampling.quality import SeamErrors, seam_errors
+from ..sampling.sampling import Projector, Samples, sample
+from ..sampling.visibility import seam_visibility
 from ..settings import PrintSettings
 from ..slicing.slices import Slices, slices
 from ..texture.island_levels import island_levels

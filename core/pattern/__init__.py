@@ -1,1 +1,1 @@
-"""From outlines to waved outlines: filtering, sampling, tone to shape, tessellation, and how well it fits."""
+"""From tone to shape: modulation, solid regions, and the waved outlines of the outer wall."""

@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from ..contours.contours import Contours, average_along_wall
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import preceding
 from ..records import dataclass
+from ..sampling.sampling import Projector
 from ..settings import PrintSettings
-from .contours import Contours
 from .modulation import faded, layer_is_black, supported
-from .sampling import Projector
-from .wave import average_along_wall
 
 _MIXED, _BLACK, _WHITE = 0, 1, 2
 _STEEPEST_DEG = 80.0  # the area of flatter places is counted as if they leaned by this

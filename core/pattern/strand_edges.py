@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.along_loops import steps
+from ..contours.contours import Contours
 from ..model import FloatArray
 from ..ragged import following
 from ..settings import PrintSettings
-from .along_loops import steps
-from .contours import Contours
 
 _LEAST_STEP = 0.01  # mm from one point to the next; less makes no visible difference
 

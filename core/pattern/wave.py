@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..contours.along_loops import rows
+from ..contours.contours import POINTS_PER_WAVELENGTH, Contours
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import in_chunks
 from ..ragged import ranges, starts
 from ..records import dataclass
+from ..sampling.sampling import Samples
 from ..settings import PrintSettings
-from .along_loops import filtered, rows
 from .chords import chord_ends
-from .contours import POINTS_PER_WAVELENGTH, Contours
 from .modulation import faded, layer_is_black, layer_shift, layer_sign, shape, supported
-from .sampling import Samples
 
 # Share of the chord tolerance spent on sampling the sine evenly; the rest is for removing points that change nothing.
 SAMPLING_SHARE = 0.35
@@ -255,21 +255,3 @@ def valley_lines(lines: Contours, depth: FloatArray, set_back: FloatArray) -> Fl
     valleys *= (depth / 2 + set_back)[:, None]
     valleys += lines.points
     return valleys
-
-
-def average_along_wall(values: FloatArray, lines: Contours, window: float) -> FloatArray:
-    """Average values (N,), such as tones, along each contour over about `window` mm."""
-    step = lines.length / np.maximum(np.diff(lines.start), 1)
-    usual = float(np.median(step)) if len(step) else 1.0
-    reach = round((window / usual - 1) / 2)
-    if reach < 1:
-        return values
-    return filtered(values, lines.start, np.full(2 * reach + 1, 1 / (2 * reach + 1)))
-
-
-def places(lines: Contours, spacing: float) -> tuple[FloatArray, IntArray]:
-    """Evenly spaced places on all contours, about `spacing` mm apart: their arcs (Q,) and loops (Q,)."""
-    count = np.maximum(np.round(lines.length / spacing), 1).astype(np.int64)
-    loop = np.repeat(np.arange(len(count)), count)
-    step = ranges(np.zeros(len(count), dtype=np.int64), count)
-    return lines.arc_start[loop] + (step + 0.5) * (lines.length / count)[loop], loop

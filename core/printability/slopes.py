@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.slant import face_slant_deg
 from ..mesh.surface_points import points_on_faces
 from ..model import FloatArray, IntArray, TriangleMesh
-from ..pattern.slant import face_slant_deg
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ..contours.contours import LEAST_WIDTH, Contours
 from ..fill.walls import offset, simplified
 from ..model import FloatArray, IntArray
-from ..pattern.contours import LEAST_WIDTH, Contours
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths

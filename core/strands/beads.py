@@ -83,7 +83,8 @@ def strands(moves: Moves) -> Strands:
     """The strands that the moves lay down, as if all of them rested on material; see `settled`.
 
     Extruding rows of one tool, feature, layer and height that go on where the last one ended make one strand; it starts
-    where the nozzle stood before its first row. A row that extrudes without a move before it has nowhere to start from and is left out.
+    where the nozzle stood before its first row. A row that extrudes without a move before it has nowhere to start from
+    and is left out.
     """
     rows = np.flatnonzero(moves.extrudes)
     rows = rows[rows > 0]

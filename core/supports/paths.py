@@ -5,9 +5,9 @@ from __future__ import annotations
 import shapely
 from shapely import Geometry
 
+from ..contours.contours import Contours
 from ..model import FloatArray, Shapes, TriangleMesh
 from ..paths import Paths
-from ..pattern.contours import Contours
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.slices import Slices

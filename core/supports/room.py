@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from ..contours.contours import Contours
 from ..fill.walls import offset, simplified
 from ..model import FloatArray, Shapes
 from ..parallel import geos_in_threads
-from ..pattern.contours import Contours
 from ..pattern.wave import valley_lines
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths

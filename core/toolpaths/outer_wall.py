@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from ..contours.contours import Contours
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
-from ..pattern.contours import Contours
 from ..pattern.wave import WavedOutlines, valley_lines
 from ..ragged import ahead, preceding, ranges, starts, sums
 from ..slicing.regions import gathered, ring_polygons

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.grid import nearest
 from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Feature, Paths
-from ..pattern.grid import nearest
 from ..ragged import following, preceding, ranges, starts, sums
 from ..settings import PrintSettings
 

@@ -6,9 +6,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ..contours.contours import POINTS_PER_WAVELENGTH
 from ..model import FloatArray, IntArray, bounds
 from ..paths import Paths
-from ..pattern.contours import POINTS_PER_WAVELENGTH
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers, line_widths

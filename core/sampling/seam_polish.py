@@ -18,10 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..contours.contours import Contours, loop_of
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, preceding, ranges
 from ..settings import PrintSettings
-from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid
 from .sampling import Projector, Samples
 from .spacing import bounded, pushed

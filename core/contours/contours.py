@@ -14,6 +14,7 @@ import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import runs_of_layers
+from ..ragged import ranges
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines
@@ -246,3 +247,21 @@ def loop_of(lines: Contours, arc: FloatArray) -> IntArray:
 def long_enough(length: FloatArray, settings: PrintSettings) -> BoolArray:
     """(M,) which lines hold the pattern: two samples at least."""
     return np.asarray(length >= 2 * settings.wavelength)
+
+
+def average_along_wall(values: FloatArray, lines: Contours, window: float) -> FloatArray:
+    """Average values (N,), such as tones, along each contour over about `window` mm."""
+    step = lines.length / np.maximum(np.diff(lines.start), 1)
+    usual = float(np.median(step)) if len(step) else 1.0
+    reach = round((window / usual - 1) / 2)
+    if reach < 1:
+        return values
+    return filtered(values, lines.start, np.full(2 * reach + 1, 1 / (2 * reach + 1)))
+
+
+def places(lines: Contours, spacing: float) -> tuple[FloatArray, IntArray]:
+    """Evenly spaced places on all contours, about `spacing` mm apart: their arcs (Q,) and loops (Q,)."""
+    count = np.maximum(np.round(lines.length / spacing), 1).astype(np.int64)
+    loop = np.repeat(np.arange(len(count)), count)
+    step = ranges(np.zeros(len(count), dtype=np.int64), count)
+    return lines.arc_start[loop] + (step + 0.5) * (lines.length / count)[loop], loop

@@ -12,10 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..contours.contours import Contours, loop_of
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import sums
 from ..records import dataclass
-from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, between, grid_of, image_steps
 from .whole_waves import Phase
 

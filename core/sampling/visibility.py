@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..contours.contours import OPEN_AIR, Contours
 from ..model import FloatArray, ToneImage, TriangleMesh
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import build_pyramids
-from .contours import OPEN_AIR, Contours
 
 # Visibility of a seam where everything is of one colour, and in the deepest crease.
 HIDDEN = 0.2

@@ -20,10 +20,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.contours import Contours, long_enough
 from ..model import FloatArray, IntArray
 from ..ragged import ranges, sums
 from ..settings import PrintSettings
-from .contours import Contours, long_enough
 from .fewer_layers import fewer_layers
 from .phase_fit import PhaseFit
 from .phase_grid import PhaseGrid, on_grid, phase_grid

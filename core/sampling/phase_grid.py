@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.contours import Contours, long_enough, loop_of
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, preceding, ranges, starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from .contours import Contours, long_enough, loop_of
 from .sampling import Projector
 
 # Every so many contour points are projected as a rule, at least so many of each contour, and all between them where the

@@ -7,13 +7,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..contours.contours import Contours, long_enough, on_loop
+from ..contours.grid import PointGrid, nearest
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import in_chunks
 from ..ragged import ahead, preceding, starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from .contours import Contours, long_enough, on_loop
-from .grid import PointGrid, nearest
 from .spacing import SLACK, filled, pruned, relaxed, spacings
 
 ComplexArray = NDArray[np.complex128]

@@ -16,11 +16,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..contours.contours import Contours
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
-from .contours import Contours
 from .phase_grid import PhaseGrid
 from .wave_plan import WavePlan
 

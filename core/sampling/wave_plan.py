@@ -23,10 +23,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.contours import Contours, loop_of
 from ..model import FloatArray
 from ..records import dataclass
 from ..settings import PrintSettings
-from .contours import Contours, loop_of
 from .phase_grid import PhaseGrid, on_grid
 
 # Steps of each further search, where the plan left too many seams.

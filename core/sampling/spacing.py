@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.contours import Contours, long_enough, on_loop
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, ranges, starts
 from ..settings import PrintSettings
-from .contours import Contours, long_enough, on_loop
 
 # Spacings are compared with this slack, mm, so that rounding does not prune an exact fit.
 SLACK = 1e-9
