@@ -1,4 +1,4 @@
-"""The entry Dual-Color of the menu Object: what the sidebar's buttons do, for search (F3), Quick Favorites and keys."""
+"""The menu Dual-Color, in the menu Object or beside View: the sidebar's buttons for search (F3), favorites and keys."""
 
 from __future__ import annotations
 
@@ -51,3 +51,9 @@ def draw_object_entry(self: bpy.types.Menu, _context: bpy.types.Context) -> None
     """The entry of the menu Object."""
     self.layout.separator()
     self.layout.menu(DUALCOLOR_MT_object.__name__)
+
+
+def draw_paint_entry(self: bpy.types.Menu, context: bpy.types.Context) -> None:
+    """The same menu beside the menu View in painting modes, in which there is no menu Object."""
+    if context.mode in ("PAINT_TEXTURE", "PAINT_VERTEX"):
+        self.layout.menu(DUALCOLOR_MT_object.__name__)

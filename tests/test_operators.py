@@ -1,5 +1,7 @@
 """The user's actions, run as scripts run them, and the traces that the extension leaves."""
 
+from types import SimpleNamespace
+
 import pytest
 
 bpy = pytest.importorskip("bpy")
@@ -21,6 +23,7 @@ def traces() -> set[str]:
     names |= {f"ops.dualcolor.{name}" for name in dir(bpy.ops.dualcolor)}
     names |= {"Object.dualcolor"} if hasattr(bpy.types.Object, "dualcolor") else set()
     names_of_menus = ("TOPBAR_MT_file_export", "TOPBAR_MT_file_import", "VIEW3D_MT_add", "VIEW3D_MT_object")
+    names_of_menus += ("VIEW3D_MT_editor_menus",)
     menus = [getattr(bpy.types, name) for name in (*names_of_menus, "IMAGE_MT_image")]
     entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()]
     entries += [*bpy.app.handlers.load_pre, *bpy.app.handlers.depsgraph_update_post]
@@ -32,6 +35,16 @@ def registered(scene):
     dualcolor.register()
     yield scene
     dualcolor.unregister()
+
+
+def test_painting_modes_have_the_menu_beside_view(registered):
+    """There is no menu Object in them, and F3 finds what is in menus."""
+    entries = {entry.__name__: entry for entry in bpy.types.VIEW3D_MT_editor_menus._dyn_ui_initialize()}
+    drawn = []
+    menu = SimpleNamespace(layout=SimpleNamespace(menu=drawn.append))
+    for mode in ("OBJECT", "PAINT_TEXTURE", "EDIT_MESH", "PAINT_VERTEX"):
+        entries["draw_paint_entry"](menu, SimpleNamespace(mode=mode))
+    assert drawn == ["DUALCOLOR_MT_object"] * 2
 
 
 @pytest.fixture

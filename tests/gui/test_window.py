@@ -163,7 +163,9 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.press("dualcolor.soft_proof")
     user.until(f"not {PROOFED}")
 
-    generated(user)
+    user.search("generate dual")  # in Texture Paint
+    user.until("bpy.context.object.dualcolor.show_print")
+    user.until(f"not ({RUNNING})")
     assert user.ask(STRANDS)
     user.move(*user.view())
     shot("strands")
