@@ -113,7 +113,7 @@ def sampled(path: Path) -> Node:
 
     signal.signal(signal.SIGPROF, look)
     signal.setitimer(signal.ITIMER_PROF, INTERVAL_S, INTERVAL_S)
-    export_gcode(generate(model, PrintSettings()), Path(os.devnull))
+    export_gcode(generate(model, PrintSettings(), begin_gcode=True), Path(os.devnull))
     signal.setitimer(signal.ITIMER_PROF, 0.0)
     return job
 

@@ -54,7 +54,7 @@ def main(model_path: str, gcode_path: str, x3g_path: str = "") -> dict[str, obje
     model = surface_model(np.load(model_path), Path(model_path).stem)
     ready, ready_cpu = perf_counter(), os.times()
     settings = PrintSettings(support_enable=bool(x3g_path))
-    result = export_gcode(generate(model, settings), Path(gcode_path))
+    result = export_gcode(generate(model, settings, begin_gcode=True), Path(gcode_path))
     if x3g_path:
         result = export_x3g(result, Path(x3g_path))
     wall, cpu = perf_counter() - ready, os.times()

@@ -65,7 +65,7 @@ def measured(name: str) -> dict[str, Any]:
 
     model, settings = job_of(name)
     began, cpu = perf_counter(), os.times()
-    result = export_gcode(generate(model, settings), Path(os.devnull))
+    result = export_gcode(generate(model, settings, begin_gcode=True), Path(os.devnull))
     wall, now = perf_counter() - began, os.times()
     lines = result.outlines
     return {

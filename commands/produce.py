@@ -88,7 +88,7 @@ def produce(
     objects = [obj, *others]
     model = plate_model(objects, bpy.context.evaluated_depsgraph_get(), settings, [image] * len(objects), markers)
     with Progress() as progress:
-        result = pipeline.generate(model, settings, progress.show)
+        result = pipeline.generate(model, settings, progress.show, begin_gcode="gcode" in paths)
         with quiet_stdout():
             result = _write(result, paths, files, progress)
             if strands_wanted(paths):

@@ -27,7 +27,8 @@ def export_gcode(result: DualColorPrint, path: Path) -> DualColorPrint:
     clock = StageClock()
     clock.begin("gcode")
     header = _totals(result.report)
-    text, moves = counted_text(result.moves, result.settings, header, result.layer_begins)
+    begun = result.begun.result() if result.begun else None
+    text, moves = counted_text(result.moves, result.settings, header, result.layer_begins, begun)
     write_file(path, text)
     clock.stop()
     return _reported(result, clock, gcode={"bytes": len(text), "moves": moves})

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from concurrent.futures import Future
 from typing import Any
 
+from .gcode.writer import BegunText, begin_text
 from .job.findings import findings
 from .job.path_stages import path_stages
 from .job.stage_cache import StageCache
@@ -35,6 +37,7 @@ class DualColorPrint:
         layer_begins: see `statistics.layer_begins`.
         report: JSON-ready.
         warnings: findings that did not stop the job, one sentence each.
+        begun: most of the text of its G-code, None if it was not asked for.
     """
 
     settings: PrintSettings
@@ -46,6 +49,7 @@ class DualColorPrint:
     layer_begins: FloatArray
     report: dict[str, Any]
     warnings: list[str]
+    begun: Future[BegunText] | None = None
 
 
 def generate(
@@ -53,19 +57,23 @@ def generate(
     settings: PrintSettings,
     on_progress: Callable[[float, str], None] | None = None,
     cache: StageCache | None = None,
+    begin_gcode: bool = False,
 ) -> DualColorPrint:
     """Run the whole job; `on_progress` is called with share done and stage, `cache` keeps results for the next run.
+
+    With `begin_gcode` most of the G-code's text is made in the second thread, for prints that are written at once.
 
     Raises:
         PrintError: the input cannot be printed.
     """
-    return drained(steps(model, settings, cache), lambda step: on_progress(*step) if on_progress else None)
+    job = steps(model, settings, cache, begin_gcode)
+    return drained(job, lambda step: on_progress(*step) if on_progress else None)
 
 
 def steps(
-    model: SurfaceModel, settings: PrintSettings, cache: StageCache | None = None
+    model: SurfaceModel, settings: PrintSettings, cache: StageCache | None = None, begin_gcode: bool = False
 ) -> Generator[Progress, None, DualColorPrint]:
-    """The job as a generator: yields (share done, name of the stage to come), returns the print.
+    """The job as a generator: yields (share done, name of the stage to come), returns the print; see `generate`.
 
     Raises:
         PrintError: the input cannot be printed.
@@ -74,10 +82,11 @@ def steps(
         wall = yield from wall_stages(model, settings, stages)
         paths = yield from path_stages(wall, settings, stages)
         yield stages.begin(0.9, "analysis")
+        begun = stages.aside("gcode", begin_text, paths.moves, settings) if begin_gcode else None
         told = stages.run_layers("time", summary, summary_anew, (paths.moves,), settings)
         report = findings(model, wall, paths, *told, settings)
     report |= stages.ended()
     begins = layer_begins(*told)
     return DualColorPrint(
-        settings, model.name, wall.mesh, wall.cut, wall.outlines, paths.moves, begins, report, report["warnings"]
+        settings, model.name, wall.mesh, wall.cut, wall.outlines, paths.moves, begins, report, report["warnings"], begun
     )

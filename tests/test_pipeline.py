@@ -180,10 +180,13 @@ def test_black_may_be_in_either_tool():
 
 @pytest.mark.parametrize("pattern", ["wave", "wave_offset", "offset"])
 def test_same_input_same_bytes(pattern, tmp_path):
+    """Whether the text is begun beside the findings or after them."""
     chosen = PrintSettings(pattern=pattern, skirt_distance=2.0)
     texts = []
-    for name in ("a", "b"):
-        export_gcode(generate(cylinder(radius=6, height=2, textures=[GRADIENT]), chosen), tmp_path / name)
+    for name, begins in (("a", False), ("b", True)):
+        made = generate(cylinder(radius=6, height=2, textures=[GRADIENT]), chosen, begin_gcode=begins)
+        assert (made.begun is not None) == begins
+        export_gcode(made, tmp_path / name)
         texts.append((tmp_path / name).read_bytes())
     assert texts[0] == texts[1]
 

@@ -28,6 +28,9 @@ IdleCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
 WIDTH_STEP = 0.002
 """mm, resolution of the widths in comments."""
 
+_PROGRESS = b"M73 P?\n"
+"""Stands at each layer for its progress until the times are known."""
+
 _FEATURE_COMMENTS = [f"; {feature.name.lower().replace('_', ' ')}\n".encode("ascii") for feature in Feature]
 
 
@@ -78,7 +81,41 @@ class Program:
 
 
 def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = None) -> Program:
-    """Round the moves to the numbers of the file and put the commands around them.
+    """The whole program, see `untimed_program`.
+
+    Args:
+        moves: the print, at least one row.
+        settings: of the print.
+        begins: `statistics.layer_begins` of the moves, if they are known.
+
+    Raises:
+        ValueError: no moves, or numbers that are not finite or too large for the file.
+    """
+    content = untimed_program(moves, settings)
+    if begins is None:
+        begins = layer_begins(moves, move_seconds(moves, settings.printer_profile))
+    return with_progress(content, begins)
+
+
+def with_progress(content: Program, begins: FloatArray) -> Program:
+    """The program with the share of the time that has passed, wherever a layer begins with a greater one.
+
+    Args:
+        content: see `untimed_program`.
+        begins: s that pass before each layer, and the total.
+    """
+    insertions = list(content.insertions)
+    marked = [number for number, text in enumerate(insertions) if _PROGRESS in text]
+    shown = 0
+    for number, percent in zip(marked, _percents(begins), strict=True):
+        line = b"M73 P%d\n" % percent if percent > shown else b""
+        insertions[number] = insertions[number].replace(_PROGRESS, line)
+        shown = max(shown, percent)
+    return replace(content, insertions=insertions)
+
+
+def untimed_program(moves: Moves, settings: PrintSettings) -> Program:
+    """Round the moves to the numbers of the file and put the commands around them; the progress is only marked.
 
     Moves that would change no number of the line before (shorter than the file's resolution) get no line. A tool
     that the moves first prime is left pulled back by that length after the start sequence.
@@ -86,7 +123,6 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
     Args:
         moves: the print, at least one row.
         settings: of the print.
-        begins: `statistics.layer_begins` of the moves, if they are known.
 
     Raises:
         ValueError: no moves, or numbers that are not finite or too large for the file.
@@ -101,15 +137,12 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
         moves = replace(moves, position=moves.position + np.array([*printer.marlin.origin, 0.0]))
     lines, kept_before = _lines(moves, steps, printer)
     idle: IdleCommands = ({}, {})
-    if begins is None or settings.standby_temperature_delta:
-        seconds = move_seconds(moves, printer)
-        begins = layer_begins(moves, seconds)
-        if settings.standby_temperature_delta:
-            idle = standby_commands(moves, seconds, settings)
+    if settings.standby_temperature_delta:
+        idle = standby_commands(moves, move_seconds(moves, printer), settings)
     for row, lines_of_fan in fan_commands(moves, settings).items():
         idle[1].setdefault(row, []).extend(lines_of_fan)
     strands = np.flatnonzero(extrudes)
-    places, insertions = _insertions(moves, strands, kept_before, begins, idle, printer)
+    places, insertions = _insertions(moves, strands, kept_before, idle, printer)
     last_tool = int(moves.tool[-1])
     end = end_sequence(settings, last_tool, counters[last_tool])
     widens, widths = _width_changes(moves, strands, settings.extrusion_width)
@@ -200,17 +233,15 @@ def _insertions(
     moves: Moves,
     strands: IntArray,
     kept_before: IntArray,
-    begins: FloatArray,
     idle: IdleCommands,
     printer: PrinterProfile,
 ) -> tuple[IntArray, list[bytes]]:
-    """What stands between the lines: comments at layers and features, the progress at each layer, the tool changes.
+    """What stands between the lines: comments at layers and features, marks for the progress, the tool changes.
 
     Args:
         moves: the print.
         strands: (E,) rows that lay down a strand.
         kept_before: (M,) how many lines stand before each row.
-        begins: s that pass before each layer, and the total.
         idle: see `standby_commands`.
         printer: that it is for.
 
@@ -227,8 +258,6 @@ def _insertions(
     others[list(idle[0])] = True
     rows = np.flatnonzero(others | feature_starts)
     insertions = [_FEATURE_COMMENTS[number] for number in moves.feature[rows].tolist()]
-    percents = iter(_percents(begins))
-    shown = 0
     of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts)
     place = np.flatnonzero(others[rows])
     columns = (place, rows[place], *(column[rows[place]] for column in of_rows))
@@ -236,11 +265,7 @@ def _insertions(
         new_layer, layer, new_tool, tool, new_feature = values
         lines = list(idle[0].get(row, []))
         if new_layer:
-            lines.append(f"; layer {layer}")
-            percent = next(percents)
-            if percent > shown:
-                lines.append(f"M73 P{percent}")
-                shown = percent
+            lines += [f"; layer {layer}", _PROGRESS[:-1].decode()]
         lines += tool_change_lines(tool, printer) if new_tool else []
         lines += idle[1].get(row, [])
         insertions[number] = joined(lines) + insertions[number] * new_feature

@@ -10,9 +10,10 @@ import numpy as np
 from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..statistics.time_and_filament import layer_begins, move_seconds
 from ..toolpaths.moves import Moves
 from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word
-from .program import WIDTH_STEP, Lines, Program, joined, program
+from .program import WIDTH_STEP, Lines, Program, joined, untimed_program, with_progress
 from .texts import written
 
 _CHUNK_ROWS = 1 << 13  # a chunk's words stay in the processor's cache
@@ -43,13 +44,44 @@ class _Tables:
     feedrate: TextArray
 
 
+@dataclass(frozen=True)
+class BegunText:
+    """What the times and totals of a print do not change of its file.
+
+    Attributes:
+        content: the program, see `untimed_program`.
+        chunks: text of its lines, some thousand at a time, cut wherever anything else stands between them.
+    """
+
+    content: Program
+    chunks: list[list[bytearray]]
+
+
 def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None) -> bytes:
     """The whole file: header, start sequence, one `G1` a move, tool changes, end sequence; see `counted_text`."""
     return counted_text(moves, settings, header, begins)[0]
 
 
+def begin_text(moves: Moves, settings: PrintSettings) -> BegunText:
+    """Begin the file's text, which takes most of its time, before the times and totals of the print are known.
+
+    Raises:
+        ValueError: see `counted_text`.
+    """
+    content = untimed_program(moves, settings)
+    tables = _tables(content.lines, settings.printer_profile.tool_axes)
+    cuts, count = np.union1d(content.places, content.width_places), len(content.lines.tool)
+    chunks = [slice(row, min(row + _CHUNK_ROWS, count)) for row in range(0, count, _CHUNK_ROWS)]
+    # More threads would only wait for each other: half of it is done by Python's own bytes.
+    return BegunText(content, [_rendered(content.lines, tables, cuts, rows).split(_CUT) for rows in chunks])
+
+
 def counted_text(
-    moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None
+    moves: Moves,
+    settings: PrintSettings,
+    header: list[str],
+    begins: FloatArray | None = None,
+    begun: BegunText | None = None,
 ) -> tuple[bytes, int]:
     """The whole file, see `program`, and how many of its lines are `G1`.
 
@@ -58,13 +90,16 @@ def counted_text(
         settings: of the print; they are written into the header.
         header: more lines for the header, without a comment sign, such as "layers = 408".
         begins: `statistics.layer_begins` of the moves, if they are known.
+        begun: `begin_text` of the moves, if it has been called.
 
     Raises:
         ValueError: no moves, or numbers that are not finite or too large for the file.
     """
-    content = program(moves, settings, begins)
-    places, texts = _with_widths(content)
-    body = _body(content.lines, settings.printer_profile.tool_axes, places, texts)
+    begun = begun or begin_text(moves, settings)
+    if begins is None:
+        begins = layer_begins(moves, move_seconds(moves, settings.printer_profile))
+    content = with_progress(begun.content, begins)
+    body = _body(begun.chunks, *_with_widths(content))
     first, last = joined(_header_lines(settings, header) + content.start), joined(content.end)
     others = b"".join([b"\n", first, *content.insertions, last]).count(b"\nG1 ")
     return b"".join([first, *body, last]), len(content.lines.tool) + others
@@ -80,22 +115,16 @@ def _with_widths(content: Program) -> tuple[IntArray, list[bytes]]:
     return places[order], [texts[number] for number in order.tolist()]
 
 
-def _body(lines: Lines, axes: Sequence[str], places: IntArray, texts: list[bytes]) -> list[bytes | bytearray]:
+def _body(chunks: list[list[bytearray]], places: IntArray, texts: list[bytes]) -> list[bytes | bytearray]:
     """The lines as text with the other texts between them, in pieces."""
-    count = len(lines.tool)
-    distinct, first = np.unique(places, return_index=True)
-    begin_end = pairwise([*first.tolist(), len(texts)])
-    inserted = [b"".join(texts[begin:end]) for begin, end in begin_end]
-    tables = _tables(lines, axes)
-    chunks = [slice(row, min(row + _CHUNK_ROWS, count)) for row in range(0, count, _CHUNK_ROWS)]
-    waiting = iter(inserted)
+    begin_end = pairwise([*np.unique(places, return_index=True)[1].tolist(), len(texts)])
+    inserted = (b"".join(texts[begin:end]) for begin, end in begin_end)
     pieces: list[bytes | bytearray] = []
-    for rows in chunks:  # threads would only wait for each other: half of it is done by Python's own bytes
-        first_piece, *others = _rendered(lines, tables, distinct, rows).split(_CUT)
+    for first_piece, *others in chunks:
         pieces.append(first_piece)
         for piece in others:
-            pieces += [next(waiting), piece]
-    return [*pieces, *waiting]
+            pieces += [next(inserted), piece]
+    return [*pieces, *inserted]
 
 
 def _tables(lines: Lines, axes: Sequence[str]) -> _Tables:

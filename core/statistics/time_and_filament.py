@@ -18,6 +18,7 @@ from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 
 _SHORTEST_MM = 1e-9
+_ROWS = 1 << 16  # worked on at once; with fewer, a thread that writes text beside this is waited for more often
 _SUMMABLE = float(1 << 14)  # parts of a mm²/s²
 
 
@@ -73,9 +74,8 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
     segments = _segments(moves, printer)
     if len(segments.length):
         u = _node_speeds_squared(segments, printer)
-        (seconds[segments.takes],) = in_chunks(
-            _trapezoid_seconds, segments.length, segments.speed, segments.acceleration, u[:-1], u[1:]
-        )
+        columns = segments.length, segments.speed, segments.acceleration, u[:-1], u[1:]
+        (seconds[segments.takes],) = in_chunks(_trapezoid_seconds, *columns, rows=_ROWS, threads=False)
     seconds[1:][moves.tool[1:] != moves.tool[:-1]] += printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
     return seconds
 
@@ -134,7 +134,7 @@ def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
 
 def _segments(moves: Moves, printer: PrinterProfile) -> _Segments:
     """The rows with a way or with filament; a row before which the place is not known (the first) has no way."""
-    measured = in_chunks(partial(_measured, moves, printer), np.arange(len(moves.tool)))
+    measured = in_chunks(partial(_measured, moves, printer), np.arange(len(moves.tool)), rows=_ROWS, threads=False)
     takes, length, speed, acceleration, corner, *tips = measured
     # What lies between the last segment of a chunk and the first one of the next.
     between = np.flatnonzero(np.isnan(corner))
@@ -163,12 +163,15 @@ def _measured(moves: Moves, printer: PrinterProfile, row: IntArray) -> tuple[NDA
     speed, tool = moves.speed[here], moves.tool[here]
     kept = length >= _SHORTEST_MM
     if not kept.all():
-        length, speed, tool, direction = length[kept], speed[kept], tool[kept], direction[:, kept]
+        rows = np.flatnonzero(kept)
+        length, speed, tool = length.take(rows), speed.take(rows), tool.take(rows)
+        direction = direction.take(rows, axis=1)
     direction /= length
     shares = np.abs(direction)
     shares[1] = np.maximum(shares[0], shares[1])  # the limits of X and Y are the same
-    speed = np.minimum(speed, 1 / _greatest(shares[1:] * _inverse(printer.max_speed_mm_s)[1:]))
-    acceleration = 1 / _greatest(shares[1:] * _inverse(printer.acceleration_mm_s2)[1:])
+    used = shares[1:] * _inverse(printer.max_speed_mm_s)[1:]
+    speed = np.minimum(speed, 1 / _greatest(used))
+    acceleration = 1 / _greatest(np.multiply(shares[1:], _inverse(printer.acceleration_mm_s2)[1:], out=used))
     direction *= _inverse(printer.max_speed_change_mm_s)
     corner = np.full(len(length), np.nan)
     corner[:-1] = _corner_speeds_squared(tool, speed, direction)
