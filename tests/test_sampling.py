@@ -277,3 +277,17 @@ def test_seams_go_where_they_matter_less(data):
 
     assert seen(aimed) < 0.25 * seen(plain)
     assert_bounds(lines, aimed)
+
+
+def test_images_on_the_layer_above_are_the_nearest_places_there():
+    lines = lines_of(lathe([[10, 0], [4, 30]]))
+    projector = Projector(lines, 0.6)
+    arc = lines.arc[::5] + 0.01
+    layer = lines.layer[projector.loop[::5]]
+    image, (nearest, distance) = (
+        projector.above(projector.at(arc), layer),
+        projector.project(projector.at(arc), layer + 1),
+    )
+    top = layer == lines.layer.max()
+    assert np.isnan(image[top]).all() and np.isfinite(distance[~top]).all()
+    np.testing.assert_allclose(projector.at(image[~top]), projector.at(nearest[~top]), atol=1e-3)

@@ -14,8 +14,13 @@ CELLS_A_POINT = 64
 class PointGrid:
     """Points of all layers sorted into square cells; neighbours are looked for within one layer only."""
 
-    def __init__(self, points: FloatArray, layer: IntArray, cell: float, table: bool = True) -> None:
-        """Sort (N, 2) points with their layers (N,) into cells of `cell` mm; a `table` of all pays for many queries."""
+    def __init__(
+        self, points: FloatArray, layer: IntArray, cell: float, table: bool = True, name: IntArray | None = None
+    ) -> None:
+        """Sort (N, 2) points with their layers (N,) into cells of `cell` mm; a `table` of all pays for many queries.
+
+        Points are called by their number, or what `name` (N,) calls them.
+        """
         self.cell = cell
         low, high = bounds(points) if len(points) else np.zeros((2, 2))
         self.low = low - 3 * cell
@@ -25,6 +30,7 @@ class PointGrid:
         cells = (top + 1 - self.bottom) * int(self.size.prod())
         self.order = np.argsort(self.key.astype(np.min_scalar_type(cells)), kind="stable")
         self.keys = self.key[self.order]
+        self.order = self.order if name is None else name[self.order]
         # Where each cell's points begin, unless nearly all cells are empty.
         table = table and cells < CELLS_A_POINT * len(points)
         self.begin = starts(np.bincount(self.key, minlength=cells)) if table else None

@@ -36,8 +36,8 @@ from .whole_waves import Phase, rounded
 # First all is done on every so many layers, with a node for so many contour points; neighbours are torn if their images
 # are so many wavelengths farther apart than they. From this share of the pattern on that is a visible seam, or the
 # second where it is told how much a seam matters, all is done anew with more care.
-LAYERS, STRIDE, TEAR = 3, 12, 2.0
-QUICK_SEARCH, QUICK_FIT = Search(((24, 1, 150), (12, 1, 100)), 80), (5, 1, 8)
+LAYERS, STRIDE, TEAR = 4, 12, 2.0
+QUICK_SEARCH, QUICK_FIT = Search(((32, 1, 100), (16, 1, 80), (8, 1, 60)), 50), (5, 1, 8)
 QUICK_STRAY = 0.025
 QUICK_POLISH = Polish((Stage(6, 2, 0.7, 0.2),), 0.15, 2)
 QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0046, 0.003

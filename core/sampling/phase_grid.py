@@ -24,6 +24,8 @@ STATION_STRIDE, LEAST_NODES = 3, 8
 SEARCHED = 24
 # Neighbours whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
+# Where neighbours have no images at all, only every so many points between them are projected.
+RARE = 4
 
 
 @dataclass(frozen=True)
@@ -173,23 +175,25 @@ def phase_grid(
 ) -> PhaseGrid:
     """A grid with a node every so many contour points, and one at each of them where the surface is torn."""
     usable = long_enough(lines.length, settings)
-    loop = lines.loop
-    local = np.arange(len(lines.arc)) - lines.start[loop]
-    every = _strides(lines, stride)[loop]
-    chosen = (local % every == 0) & usable[loop]
-    above = np.full(len(lines.arc), np.nan)
-    node = np.flatnonzero(chosen)
+    every = _strides(lines, stride)
+    many = np.where(usable, -(-np.diff(lines.start) // every), 0)
+    loop, rank = np.repeat(np.arange(len(many)), many), ranges(np.zeros(len(many), dtype=np.int64), many)
+    node = lines.start[loop] + rank * every[loop]
     tear = TEAR * settings.wavelength
-    searched = local[node] % (np.maximum(SEARCHED // every[node], 2) * every[node]) == 0
-    above[node] = _followed_images(lines, projector, node, searched, usable, tear)
-    torn = np.isnan(image_steps(lines, lines.arc[node], loop[node], above[node], tear))
-    owner = np.cumsum(chosen) - 1
-    between = np.flatnonzero(usable[loop] & ~chosen & torn[np.maximum(owner, 0)])
-    above[between] = _images(lines, projector, between, usable)
-    chosen[between] = True
-    node = np.flatnonzero(chosen)
-    step = image_steps(lines, lines.arc[node], loop[node], above[node], tear)
-    return grid_of(lines, lines.arc[node], loop[node], above[node], step)
+    searched = rank % np.maximum(SEARCHED // every[loop], 2) == 0
+    above = _followed_images(lines, projector, node, searched, usable, tear)
+    torn = np.flatnonzero(np.isnan(image_steps(lines, lines.arc[node], loop, above, tear)))
+    ahead = following(starts(many))[torn]
+    gone = np.isnan(above[torn]) & np.isnan(above[ahead])
+    length = np.where(ahead > torn, node[ahead], lines.start[loop[torn] + 1]) - node[torn]
+    step = np.where(gone, RARE, 1)
+    many = (length - 1) // step
+    between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * np.repeat(step, many)
+    node, above = np.append(node, between), np.append(above, _images(lines, projector, between, usable))
+    order = np.argsort(node, kind="stable")
+    node, above = node[order], above[order]
+    arc, loop = lines.arc[node], projector.loop[node]
+    return grid_of(lines, arc, loop, above, image_steps(lines, arc, loop, above, tear))
 
 
 def _strides(lines: Contours, stride: int) -> IntArray:
@@ -206,7 +210,7 @@ def _followed_images(
     """
     above = np.full(len(node), np.nan)
     above[searched] = image = _images(lines, projector, node[searched], usable)
-    arc, loop = lines.arc[node[searched]], lines.loop[node[searched]]
+    arc, loop = lines.arc[node[searched]], projector.loop[node[searched]]
     step = image_steps(lines, arc, loop, image, tear)
     ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
     length = np.mod(arc[ahead] - arc, lines.length[loop])
@@ -226,7 +230,7 @@ def _followed_images(
 
 def _images(lines: Contours, projector: Projector, point: IntArray, usable: BoolArray) -> FloatArray:
     """Arcs of the images of contour points on the layer above; NaN where none is near enough or carries the pattern."""
-    above = projector.above(lines.points[point], lines.layer[lines.loop[point]])
+    above = projector.above(lines.points[point], lines.layer[projector.loop[point]])
     found = np.flatnonzero(~np.isnan(above))
     above[found[~usable[loop_of(lines, above[found])]]] = np.nan
     return above

@@ -20,6 +20,8 @@ ComplexArray = NDArray[np.complex128]
 
 # How often a nearest place is looked for along the contour, and how many segments far at a time.
 WALKS, FARTHEST = 2, 4.0
+# Images are searched among every so many points of the contours.
+SPARSE = 3
 
 
 @dataclass(frozen=True)
@@ -78,10 +80,21 @@ class Projector:
     @cached_property
     def grid(self) -> PointGrid:
         """The points of the contours."""
+        return self._grid(np.arange(len(self.loop)), 1)
+
+    @cached_property
+    def sparse(self) -> PointGrid:
+        """Every so many of them."""
+        return self._grid(
+            np.flatnonzero((np.arange(len(self.loop)) - self.lines.start[self.loop]) % SPARSE == 0), SPARSE
+        )
+
+    def _grid(self, point: IntArray, every: int) -> PointGrid:
         step = self.lines.length / np.maximum(np.diff(self.lines.start), 1)
         # A place lies at most half a step from a point, so that the search has to go that much farther.
-        reach = self.threshold + float(step.max(initial=0.0)) / 2
-        return PointGrid(self.lines.points, self.lines.layer[self.loop], reach / 2, table=False)
+        reach = self.threshold + float(step.max(initial=0.0)) * every / 2
+        layer = self.lines.layer[self.loop[point]]
+        return PointGrid(self.lines.points[point], layer, reach / 2, table=False, name=point)
 
     @cached_property
     def spot(self) -> ComplexArray:
@@ -116,15 +129,23 @@ class Projector:
         return arc, distance
 
     def above(self, query: FloatArray, layer: IntArray) -> FloatArray:
-        """(Q,) arcs of the images of points (Q, 2) of layers (Q,) on the next ones; NaN where none is near enough."""
-        image = np.full(len(query), np.nan)
-        asked = np.flatnonzero(layer < self.lines.layer.max(initial=0))
-        arc, distance = self.project(query[asked], layer[asked] + 1)
-        image[asked] = np.where(np.isfinite(distance), arc, np.nan)
+        """(Q,) arcs of the images of points (Q, 2) of layers (Q,) on the next ones; NaN where none is near enough.
+
+        They are looked for along the contour from the nearest of every few points: where two walls are about equally
+        near it may be either.
+        """
+        (image,) = in_chunks(self._above, query, layer)
         return image
 
+    def _above(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray]:
+        image = np.full(len(query), np.nan)
+        point, asked = self._nearest_points(query, layer + 1, self.sparse)
+        arc, distance = self._nearby(query[asked], self.lines.arc[point])
+        image[asked] = np.where(distance <= self.threshold, arc, np.nan)
+        return (image,)
+
     def _project(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, FloatArray]:
-        point, asked = self._nearest_points(query, layer)
+        point, asked = self._nearest_points(query, layer, self.grid)
         arc, distance = np.zeros(len(query)), np.full(len(query), np.inf)
         if len(asked):
             # The nearest place is on one of the two segments that meet in the nearest point.
@@ -142,31 +163,35 @@ class Projector:
         Returns:
             (Q,) arc and (Q,) distance in mm.
         """
+        arc, distance = in_chunks(self._nearby, query, guess)
+        return arc, distance
+
+    def _nearby(self, query: FloatArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
         spot = as_complex(query)
         point = np.searchsorted(self.lines.arc, guess, side="right") - 1
         loop = self.loop.take(point)
-        first, count = self.lines.start.take(loop), np.diff(self.lines.start).take(loop)
+        first, end = self.lines.start.take(loop), self.lines.start.take(loop + 1)
         for _ in range(WALKS):
             along = self.along.take(point)
             way = dot(spot - self.spot.take(point), along) / np.maximum(squared(along), 1e-18)
-            point += np.floor(np.clip(way, -FARTHEST, FARTHEST)).astype(np.int64) - first
-            point = first + np.mod(point, count)
+            point += np.floor(np.clip(way, -FARTHEST, FARTHEST)).astype(np.int64)
+            point += (end - first) * ((point < first).astype(np.int64) - (point >= end))
         arc, gap = self._on_segments(spot, point)
         return arc, np.sqrt(gap)
 
-    def _nearest_points(self, query: FloatArray, layer: IntArray) -> tuple[IntArray, IntArray]:
+    def _nearest_points(self, query: FloatArray, layer: IntArray, grid: PointGrid) -> tuple[IntArray, IntArray]:
         """The nearest contour point of queries that have any within reach, and which queries these are."""
-        point, gap = self._least(query, layer, 1)
+        point, gap = self._least(query, layer, grid, 1)
         # What is nearer than a cell is certain; the others have to look one cell farther.
-        again = np.flatnonzero(gap > self.grid.cell**2)
+        again = np.flatnonzero(gap > grid.cell**2)
         if len(again):
-            point[again], gap[again] = self._least(query[again], layer[again], 2)
+            point[again], gap[again] = self._least(query[again], layer[again], grid, 2)
         asked = np.flatnonzero(np.isfinite(gap))
         return point[asked], asked
 
-    def _least(self, query: FloatArray, layer: IntArray, rings: int) -> tuple[IntArray, FloatArray]:
+    def _least(self, query: FloatArray, layer: IntArray, grid: PointGrid, rings: int) -> tuple[IntArray, FloatArray]:
         """Nearest of the candidates and its squared distance; infinite where there is none."""
-        found, group = self.grid.candidates(query, layer, rings)
+        found, group = grid.candidates(query, layer, rings)
         least = np.full(len(query), np.inf)
         if len(found) == 0:
             return np.zeros(len(query), dtype=np.int64), least

@@ -90,6 +90,7 @@ class _Waves:
         self.loop, self.start = samples.loop, samples.start
         self.length = lines.length
         self.arc_start = lines.arc_start
+        self.arc = samples.arc
         self.first = self.place = samples.arc - lines.arc_start[samples.loop]
         self.ahead, self.behind = following(self.start), preceding(self.start)
         self.around = np.where(self.ahead <= np.arange(len(self.loop)), self.length[self.loop], 0.0)
@@ -104,11 +105,12 @@ class _Waves:
 
         Places before a contour's first sample lie in its last wave, one turn farther on.
         """
-        before = np.searchsorted(self.first + self.arc_start[self.loop], arc, side="right") - 1
-        wrapped = before < self.start[loop]
-        before = np.where(wrapped, self.start[loop + 1] - 1, before)
-        along = arc - self.arc_start[loop] - self.first.take(before)
-        return before, np.where(wrapped, along + self.length[loop], along)
+        before = np.searchsorted(self.arc, arc, side="right") - 1
+        wrapped = np.flatnonzero(before < self.start.take(loop))
+        before[wrapped] = self.start[loop[wrapped] + 1] - 1
+        along = arc - self.arc.take(before)
+        along[wrapped] += self.length[loop[wrapped]]
+        return before, along
 
     def shares(self, pairs: _Pairs) -> tuple[Singles, Singles]:
         """(2 P,) how far each place lies on the way from the sample before to the next, and 1 by the mm between these.
@@ -157,12 +159,16 @@ def polished(
     for stage in effort.stages:
         velocity = np.zeros(len(waves.place))
         for number in range(stage.steps + 1):
-            seen, step = _descent(waves, pairs, stage)
+            share, steep = waves.shares(pairs)
+            low, high = np.split(np.cos(FULL * share), 2)
+            seen = float(pairs.importance @ ((low - high) ** 2 >= VISIBLE))
             if seen < best:
                 best, best_place = seen, waves.place
             if number == stage.steps:
                 break
-            velocity = np.where(free, MOMENTUM * velocity + step, 0.0)
+            velocity = np.where(
+                free, MOMENTUM * velocity + _descent(waves, pairs, share, steep, low - high, stage), 0.0
+            )
             velocity = np.minimum(np.maximum(velocity, -LONGEST * least), LONGEST * least)
             waves.place = pushed(waves.place + velocity, waves.loop, waves.start, waves.length, least)
     samples = Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + best_place, waves.loop, settings))
@@ -211,7 +217,8 @@ def _pairs(
     torn = np.flatnonzero(np.isnan(image))
     image[torn] = projector.above(query[torn].view(np.float64).reshape(-1, 2), lines.layer[grid.loop[edge[torn]]])
     up[torn] = loop_of(lines, np.nan_to_num(image[torn]))
-    image = lines.arc_start[up] + np.mod(image - lines.arc_start[up], lines.length[up])
+    bottom, top = lines.arc_start.take(up), lines.arc_start.take(up + 1)
+    image += (top - bottom) * ((image < bottom).astype(float) - (image >= top))
     found = np.flatnonzero(~np.isnan(image) & (np.diff(waves.start)[up] > 0))
     low, along = waves.locate(arc[found], grid.loop[edge[found]])
     high, _ = waves.locate(image[found], up[found])
@@ -228,26 +235,29 @@ def _pairs(
     return _Pairs(np.concatenate([low, high]), after, matters.astype(np.float32))
 
 
-def _descent(waves: _Waves, pairs: _Pairs, stage: Stage) -> tuple[float, FloatArray]:
-    """How much is seen, and (S,) mm that each sample should move; in single precision, which is plenty."""
-    share, steep = waves.shares(pairs)
-    low, high = np.split(np.cos(FULL * share), 2)
-    difference = low - high
-    error = difference**2
-    # How fast the difference rises as either place's share falls, and the latter for each mm that samples go.
-    rise = FULL * np.sin(FULL * share) * steep
-    rise[len(low) :] *= -1
-    slope = np.tile(2 * pairs.importance * (sharpness(error, stage) + UNSEEN_COST), 2)
-    pull, stiff = slope * rise * np.tile(difference, 2), slope * rise**2
+def _descent(
+    waves: _Waves, pairs: _Pairs, share: Singles, steep: Singles, difference: Singles, stage: Stage
+) -> FloatArray:
+    """(S,) mm that each sample should move, in single precision, which is plenty; arguments as of `_Waves.shares`.
+
+    `difference` (P,) is t₁ − t₂.
+    """
+    # How fast it rises as either place's share falls, for each mm that the samples around it go.
+    rise = np.sin(FULL * share)
+    rise *= FULL * steep
+    rise[len(difference) :] *= -1
+    slope = 2 * pairs.importance * (sharpness(difference**2, stage) + UNSEEN_COST)
+    pull = np.tile(slope * difference, 2) * rise
+    stiff = np.tile(slope, 2)
+    stiff *= rise
+    stiff *= rise
     own, size = 1 - share, len(waves.place)
 
     def summed(own: Singles, after: Singles) -> FloatArray:
         of_next = np.bincount(pairs.before, after, size)
         return np.bincount(pairs.before, own, size) + of_next[waves.behind]
 
-    damped = summed(stiff * own**2, stiff * share**2) + DAMPING
-    move = -stage.rate * summed(pull * own, pull * share) / damped
-    return float(pairs.importance @ (error >= VISIBLE)), move
+    return -stage.rate * summed(pull * own, pull * share) / (summed(stiff * own**2, stiff * share**2) + DAMPING)
 
 
 def sharpness(error: Singles, stage: Stage) -> Singles:
