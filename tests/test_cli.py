@@ -191,7 +191,7 @@ def test_wrong_usage_is_status_2(arguments, capfd):
 
 
 def test_bugs_keep_their_traceback(box, monkeypatch):
-    monkeypatch.setattr("dualcolor.core.pipeline.generate", lambda *_: 1 / 0)
+    monkeypatch.setattr("dualcolor.core.pipeline.generate", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         cli.main(["print", str(box)])
 
