@@ -224,6 +224,8 @@ def nan_box():
         (model(box() * 1e200, BOX_QUADS), SETTINGS, ["3e+201 mm from the origin", "unit"]),
         (model(box() * 25, BOX_QUADS), SETTINGS, ["250 × 500 × 750 mm", "larger than the 210 × 146 × 150 mm", "unit"]),
         (model(box() * [1, 8, 1], BOX_QUADS), SETTINGS, ["10 × 160 × 30 mm", "turn it by 90°"]),
+        # As high as the printer's reach, but for rounding.
+        (model(box() * [1, 8, 5.00001], BOX_QUADS), SETTINGS, ["10 × 160 × 150 mm", "turn it by 90°"]),
         (model(box() * 0.03, BOX_QUADS), SETTINGS, ["0.3 × 0.6 × 0.9 mm", "unit"]),
         (model(box() * [1, 1, 0], BOX_QUADS), SETTINGS, ["0 mm high"]),
         (model(box() - [0, 0, 2], BOX_QUADS), FREE, ["2 mm below the bed"]),

@@ -173,7 +173,7 @@ def check_size(vertices: FloatArray, name: str, settings: PrintSettings) -> None
     least, most = np.array(printer.reach_min), np.array(printer.reach_max)
     room = " × ".join(_length(side) for side in most - least)
     if (size > most - least + _REACH_TOLERANCE_MM).any():
-        turned = (size[[1, 0, 2]] <= most - least).all()
+        turned = (size[[1, 0, 2]] <= most - least + _REACH_TOLERANCE_MM).all()
         hint = "turn it by 90° about the vertical axis" if turned else _unit_hint(size, most - least)
         raise MeshError(f"{name} is {sizes}, larger than the {room} mm that can be printed", hint)
     if size.max() < 1.0:
