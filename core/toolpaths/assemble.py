@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model import FloatArray, IntArray
 from ..paths import Feature
@@ -19,8 +17,6 @@ from .order import OrderedPaths
 from .speeds import chord_lengths, extrusion_speeds
 from .tool_turns import tool_of_paths
 from .travels import Rooms, travels
-
-Scalar = TypeVar("Scalar", bound=np.generic)
 
 
 def assemble(
@@ -84,35 +80,25 @@ def _extrusions(
     first_row = starts(rows)
     before = ranges(first_row[:-1], approach)
     point = _arriving_at(paths, approach, first_row, before)
-    # Axis by axis in memory, as it is read by those who come after.
-    position = np.empty((3, len(point))).T
-    position[:, :2] = paths.points.take(point, axis=0)
-    position[:, 2] = np.repeat(layers.top[paths.layer], rows)
+    # Column by column in memory, as it is read, and all in one piece: the system has larger pages for large ones.
+    block = np.empty((10, len(point)))
+    table = Moves(block[:3].T, *block[7:].view(np.int64), *block[3:7])
+    table.position[:, :2] = paths.points.take(point, axis=0)
+    table.position[:, 2] = np.repeat(layers.top[paths.layer], rows)
     point -= 1  # the point that the line leaves
-
-    def of_rows(values: NDArray[Scalar], beside: float = 0.0) -> NDArray[Scalar]:
-        """(M,) values of the lines that leave the points, something else in the approaches."""
-        column = values.take(point)
-        column[before] = beside
-        return column
-
     diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
     section = np.pi / 4 * diameter**2
     height = layers.height[paths.layer]
     filament = length * paths.width
     filament *= np.repeat(height * settings.extrusion_multiplier / section, count)
-    features, heights = np.repeat(paths.feature, rows), np.repeat(height, rows)
-    features[before], heights[before] = int(Feature.TRAVEL), 0.0
-    table = Moves(
-        position=position,
-        tool=np.repeat(tool, rows),
-        feature=features,
-        layer=np.repeat(paths.layer, rows),
-        width=of_rows(paths.width),
-        height=heights,
-        speed=of_rows(speed, settings.travel_speed),
-        filament=of_rows(filament),
-    )
+    for number, of_path in ((table.tool, tool), (table.feature, paths.feature), (table.layer, paths.layer)):
+        number[:] = np.repeat(of_path, rows)
+    table.height[:] = np.repeat(height, rows)
+    for column, of_point in ((table.width, paths.width), (table.speed, speed), (table.filament, filament)):
+        column[:] = of_point.take(point)
+    table.feature[before], table.speed[before] = int(Feature.TRAVEL), settings.travel_speed
+    for column in (table.width, table.height, table.filament):
+        column[before] = 0.0
     return table, first_row[:-1]
 
 
