@@ -53,7 +53,7 @@ def main(path: Path) -> dict[str, float]:
     load_package()
     import bpy
     import dualcolor
-    from dualcolor.bridge.curves import build_preview
+    from dualcolor.bridge.preview import build_preview
     from dualcolor.bridge.quiet import quiet_stdout
     from dualcolor.bridge.render import render_prediction
 

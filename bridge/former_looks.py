@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import bpy
 
-from .curves import DISPLAY_KEY, SOURCE_KEY, companions_of, is_print_shown, show_bounds
+from .preview import DISPLAY_KEY, SOURCE_KEY, companions_of, is_print_shown, show_bounds
 
 _counted: dict[str, tuple[int, int]] = {}
 

@@ -22,9 +22,9 @@ from ..core.records import dataclass
 from ..core.settings import PrintSettings
 from ..core.strands.beads import settled, strands
 from ..core.toolpaths.moves import Moves
-from .curves import draws_straight, read_strands, set_drawing, strand_objects
 from .render import BESIDE_THE_OBJECT, leaving_no_trace
 from .render_rods import render_rods
+from .strand_curves import draws_straight, read_strands, set_drawing, strand_objects
 from .studio import camera_axes
 
 LIGHTS = ("even", "lamp")

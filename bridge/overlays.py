@@ -31,8 +31,9 @@ from ..core.analysis.surface_curves import (
 from ..core.model import BoolArray, FloatArray
 from ..core.printability.slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
 from ..core.texture.decode import linear_from_srgb
-from .curves import bed_origin, new_curves, set_drawing
 from .kept import kept_json
+from .preview import bed_origin
+from .strand_curves import new_curves, set_drawing
 from .units import mm_per_unit
 
 SOURCE_KEY = "dualcolor_analysis_of"

@@ -11,8 +11,8 @@ from ..core.errors import MeshError
 from ..core.mesh.plate import plate
 from ..core.model import SupportMark, SurfaceModel
 from ..core.settings import PrintSettings
-from .curves import companions_of, source_of
 from .mesh_input import WITH_SURFACE, surface_model
+from .preview import companions_of, source_of
 from .scrubber import STRANDS_KEY
 from .support_marks import support_volume, volume_objects
 

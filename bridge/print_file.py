@@ -9,7 +9,7 @@ import bpy
 from ..core.files import read_print_file
 from ..core.gcode.reader import ReadPrint, read_gcode
 from ..core.x3g.moves import moves_of_x3g
-from .curves import build_preview
+from .preview import build_preview
 
 SUFFIXES = (".gcode", ".x3g")
 

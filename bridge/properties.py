@@ -11,8 +11,8 @@ import bpy
 
 from ..core.errors import SettingsError
 from ..core.settings import PrintSettings
-from .curves import is_print_shown, show_print
 from .kept import kept_json
+from .preview import is_print_shown, show_print
 from .seam_visibility import visibility_names
 from .soft_proof import follow_paint, follow_settings
 from .units import LENGTH_DIGITS

@@ -18,10 +18,10 @@ from ..core.model import FloatArray, SurfaceModel
 from ..core.paths import Feature
 from ..core.progress import drained
 from ..core.viewing import Picture
-from .curves import read_strands, set_drawing
 from .painted import painted_model
 from .render_rods import render_rods
 from .scrubber import strands_in
+from .strand_curves import read_strands, set_drawing
 from .studio import Studio
 from .units import mm_per_unit
 

@@ -6,7 +6,7 @@ import bpy
 
 from ..core.model import FloatArray, IntArray
 from ..core.strands.smooth_rods import for_smooth_curves
-from .curves import draws_straight, new_curves
+from .strand_curves import draws_straight, new_curves
 
 
 def render_rods(

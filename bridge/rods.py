@@ -8,8 +8,8 @@ import numpy as np
 from ..core.errors import PrintError
 from ..core.strands.beads import offsets
 from ..core.strands.tubes import Rods
-from .curves import read_strands
 from .scrubber import strands_in
+from .strand_curves import read_strands
 from .units import mm_per_unit
 
 

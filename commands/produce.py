@@ -80,8 +80,8 @@ def produce(
     """
     import bpy
 
-    from ..bridge.curves import build_preview
     from ..bridge.plate import plate_model
+    from ..bridge.preview import build_preview
     from ..bridge.quiet import quiet_stdout
     from ..core import pipeline
 

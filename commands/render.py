@@ -42,7 +42,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     """
     import bpy
 
-    from ..bridge.curves import build_preview
+    from ..bridge.preview import build_preview
     from ..bridge.print_file import read_print
     from ..bridge.quiet import quiet_stdout
 

@@ -10,8 +10,8 @@ from bpy_extras.io_utils import ImportHelper
 
 from ..bridge.calibration_tile import add_calibration_tile, is_calibration_tile
 from ..bridge.clicks import draw_clicks
-from ..bridge.curves import source_of
 from ..bridge.mesh_input import WITH_SURFACE
+from ..bridge.preview import source_of
 from ..bridge.properties import to_settings
 from ..core.calibration.read_photo import table_of_photo
 from ..core.calibration.table import write_table

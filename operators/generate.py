@@ -6,8 +6,8 @@ from collections.abc import Generator
 
 import bpy
 
-from ..bridge.curves import build_preview, source_of
 from ..bridge.plate import check_present, objects_to_print, plate_model
+from ..bridge.preview import build_preview, source_of
 from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept, stages_of
 from ..core.model import SurfaceModel

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ImportHelper
 
-from ..bridge.curves import build_preview
+from ..bridge.preview import build_preview
 from ..bridge.print_file import read_print
 from ..core.errors import PrintError
 

@@ -9,7 +9,7 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..bridge import preset_folder
-from ..bridge.curves import source_of
+from ..bridge.preview import source_of
 from ..bridge.properties import from_settings, to_settings, values_of
 from ..core.errors import PrintError
 from ..core.files import write_file

@@ -7,8 +7,8 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from ..bridge.curves import preview_of, source_of
 from ..bridge.mesh_input import WITH_SURFACE, surface_model
+from ..bridge.preview import preview_of, source_of
 from ..bridge.properties import to_settings
 from ..bridge.render import RenderStoppedError
 from ..bridge.rods import rods_of

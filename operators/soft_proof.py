@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.curves import show_print
+from ..bridge.preview import show_print
 from ..bridge.proof_views import show_as_before, show_materials
 from ..bridge.properties import to_settings
 from ..bridge.soft_proof import hide_proof, is_proofed, proof_notes, show_proof

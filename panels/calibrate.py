@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from ..bridge.calibration_tile import is_calibration_tile
-from ..bridge.curves import source_of
+from ..bridge.preview import source_of
 from ..bridge.properties import to_settings
 from ..core.calibration.calibrate import table_for
 from ..core.errors import PrintError

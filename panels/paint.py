@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.curves import source_of
 from ..bridge.painting import picture_of
+from ..bridge.preview import source_of
 from ..bridge.proof_views import WITHOUT_MATERIALS
 from ..bridge.soft_proof import is_proofed, proof_notes
 from ..operators.painting import (

@@ -6,9 +6,9 @@ import bpy
 import numpy as np
 
 from ..bridge.bed import bounds_mm, what_does_not_fit
-from ..bridge.curves import source_of
 from ..bridge.model_check import TITLES
 from ..bridge.plate import objects_to_print
+from ..bridge.preview import source_of
 from ..bridge.properties import findings_of
 from ..core.printer import printer_profile
 from ..operators.check_model import DUALCOLOR_OT_check_model, DUALCOLOR_OT_repair_model, DUALCOLOR_OT_select_finding

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from ..bridge import preset_folder
-from ..bridge.curves import source_of
+from ..bridge.preview import source_of
 from ..bridge.properties import values_of
 from ..core.errors import SettingsError
 from ..core.presets import KINDS, PRESETS, Preset, agrees, preset_files, read_preset

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.curves import source_of
+from ..bridge.preview import source_of
 from ..bridge.properties import report_of
 from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from ..operators.generate import DUALCOLOR_OT_generate

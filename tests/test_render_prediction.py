@@ -8,7 +8,7 @@ from sample_print import square_print
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.curves import build_preview  # noqa: E402
+from dualcolor.bridge.preview import build_preview  # noqa: E402
 from dualcolor.bridge.render import render_prediction  # noqa: E402
 from dualcolor.bridge.studio import camera_axes, camera_place  # noqa: E402
 from dualcolor.core.errors import OutputError, PrintError  # noqa: E402

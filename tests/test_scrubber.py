@@ -7,9 +7,10 @@ from sample_print import LAYERS, square_print
 bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
-from dualcolor.bridge.curves import build_preview, read_strands  # noqa: E402
+from dualcolor.bridge.preview import build_preview  # noqa: E402
 from dualcolor.bridge.scrubber import KINDS, last_layer, moves_shown, strands_in  # noqa: E402
 from dualcolor.bridge.strand_colours import LEGENDS, legend_of  # noqa: E402
+from dualcolor.bridge.strand_curves import read_strands  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 
 

@@ -9,9 +9,9 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor import cli  # noqa: E402
-from dualcolor.bridge.curves import build_preview  # noqa: E402
 from dualcolor.bridge.mesh_input import surface_model  # noqa: E402
 from dualcolor.bridge.painted import painted_model  # noqa: E402
+from dualcolor.bridge.preview import build_preview  # noqa: E402
 from dualcolor.bridge.rods import rods_of  # noqa: E402
 from dualcolor.bridge.studio import swept  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402

@@ -1,21 +1,20 @@
-"""The preview: a collection of `Curves` objects made from the strands of the toolpath."""
+"""The preview: a collection that shows the strands of a print in the place of its object, as `Curves`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
-from ..core.model import FloatArray, IntArray, TriangleMesh
-from ..core.strands.beads import Strands, settled, split_by_roundness, strands
+from ..core.model import FloatArray, TriangleMesh
+from ..core.strands.beads import settled, strands
 from ..core.strands.marks import marks, moves_of_layers, tone_of_moves
 from .mesh_input import evaluated_mesh
-from .plastics import plastic
 from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers, strands_in
+from .strand_curves import set_drawing, strand_objects
 from .units import mm_per_unit
 
 if TYPE_CHECKING:
@@ -24,15 +23,8 @@ if TYPE_CHECKING:
 
 SOURCE_KEY = "dualcolor_source"
 _COMPANIONS_KEY = "dualcolor_companions"
-LABELS = ("layer", "feature", "tool")
-"""Attributes of each strand."""
-
 DISPLAY_KEY = "dualcolor_display"
 """What an object that is drawn as its bounds looked like before."""
-
-_RATIO_STEP = 1.5
-_ROUNDNESS_LEVELS = 4
-"""From oval to round in three steps, each a change of the diameters by a twelfth."""
 
 
 def build_preview(
@@ -76,32 +68,6 @@ def build_preview(
         show_print(source, True)
     bpy.context.view_layer.update()  # without it new objects do not know their place in the world
     return collection
-
-
-def strand_objects(
-    laid: Strands,
-    black_tool: int,
-    unit: float,
-    origin: FloatArray,
-    marks_of: Callable[[Strands], dict[str, NDArray[Any]]] = lambda laid: {},
-    levels: int = _ROUNDNESS_LEVELS,
-) -> list[bpy.types.Object]:
-    """Strands as objects that are not linked to any collection yet, one a filament and height-to-width ratio.
-
-    Args:
-        laid: settled strands, mm.
-        black_tool: the tool with the black filament.
-        unit: mm that a scene unit is.
-        origin: (3,) mm, where the strands' origin lies in the world.
-        marks_of: gives columns of values for the points of strands.
-        levels: of roundness, from oval to round.
-    """
-    parts, roundness = split_by_roundness(laid, levels)
-    return [
-        _strand_object(kind, part, ratio, unit, origin, marks_of(part))
-        for kind, members, ratio in _groups(parts, roundness, black_tool)
-        for part in [parts.gathered(members)]
-    ]
 
 
 def preview_of(source: bpy.types.Object) -> bpy.types.Collection | None:
@@ -171,108 +137,6 @@ def is_print_shown(source: bpy.types.Object) -> bool:
     return collection is not None and not collection.hide_viewport and bool(strands_in(collection))
 
 
-def set_drawing(scene: bpy.types.Scene) -> None:
-    """Draw and render strands as round rods with the least work."""
-    scene.render.hair_type = "STRAND"
-    if hasattr(scene, "cycles_curves"):
-        scene.cycles_curves.shape = "THICK_LINEAR" if draws_straight(scene) else "THICK"
-
-
-def draws_straight(scene: bpy.types.Scene) -> bool:
-    """Whether Cycles has straight rods with round ends; before Blender 5 it bends them, and their ends are open."""
-    shapes = getattr(scene, "cycles_curves", None)
-    return shapes is None or "THICK_LINEAR" in shapes.bl_rna.properties["shape"].enum_items
-
-
-def new_curves(
-    name: str,
-    points: FloatArray,
-    counts: IntArray,
-    radius: FloatArray,
-    labels: dict[str, IntArray],
-    marked: dict[str, NDArray[Any]] | None = None,
-) -> bpy.types.Curves:
-    """Poly lines as a `Curves` datablock.
-
-    Args:
-        name: of the datablock.
-        points: (N, 3) in local scene units.
-        counts: (K,) points of each line.
-        radius: (N,) in local scene units.
-        labels: (K,) whole numbers of each line, by the name of the attribute that is to hold them.
-        marked: (N,) numbers of each point, by the name of the attribute.
-    """
-    data = bpy.data.hair_curves.new(name)
-    data.add_curves(counts.tolist())
-    # Never through the curve_type attribute: writing that with foreach_set corrupts the heap.
-    data.set_types(type="POLY")
-    data.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
-    attribute = data.attributes.get("radius") or data.attributes.new("radius", "FLOAT", "POINT")
-    attribute.data.foreach_set("value", radius.astype(np.float32))
-    for label, values in labels.items():
-        data.attributes.new(label, "INT", "CURVE").data.foreach_set("value", values.astype(np.int32))
-    for mark, values in (marked or {}).items():
-        whole = np.issubdtype(values.dtype, np.integer)
-        held = data.attributes.new(mark, "INT" if whole else "FLOAT", "POINT")
-        held.data.foreach_set("value", values.astype(np.int32 if whole else np.float32))
-    data.update_tag()
-    return data
-
-
-def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple[str, IntArray, float]]:
-    """(colour, numbers of strands, height to width) of every object: one a filament where all lines are alike.
-
-    An object's scale warps all its rods to ovals of one height-to-width ratio. So rounder lines, much thinner ones, or
-    a first layer of another height, make objects of their own; smaller differences keep the area and give up the ratio.
-
-    Args:
-        laid: K strands of even roundness.
-        roundness: (K,) of each.
-        black_tool: the tool with the black filament.
-    """
-    if not len(laid):
-        return []
-    counts = np.diff(laid.start)
-    ratio = laid.height / (np.add.reduceat(laid.width, laid.start[:-1]) / counts)
-    by_ratio = np.argsort(ratio)
-    points = np.cumsum(counts[by_ratio])
-    usual = float(ratio[by_ratio[np.searchsorted(points, points[-1] / 2)]])
-    # Round is round, whatever the width.
-    step = np.where(roundness < 1, np.round(np.log(ratio / usual) / np.log(_RATIO_STEP)), 0).astype(np.int64)
-    is_white = laid.tool != black_tool
-    kind = (is_white * 1000 + np.rint(roundness * 100).astype(np.int64)) * 1000 + np.abs(step) * 2
-    kind += step < 0
-    order = np.argsort(kind, kind="stable")
-    groups = []
-    for members in np.split(order, np.flatnonzero(np.diff(kind[order])) + 1):
-        one = members[0]
-        plain = step[one] == 0
-        resting = usual if plain else float(np.median(ratio[members]))
-        centre = resting ** (1.0 - float(roundness[one]))
-        colour = "White" if is_white[one] else "Black"
-        groups.append((colour if plain and roundness[one] == 0 else f"{colour} {centre:.2f}", members, centre))
-    return groups
-
-
-def _strand_object(
-    kind: str, laid: Strands, ratio: float, unit: float, origin: FloatArray, marked: dict[str, NDArray[Any]]
-) -> bpy.types.Object:
-    """Strands as an object that is not linked to any collection yet; its scale in z makes the rods oval.
-
-    With z scaled by the ratio a rod of radius r becomes an oval of area π·r²·ratio, which must be width × height.
-    """
-    counts = np.diff(laid.start)
-    radius = np.sqrt(laid.width * np.repeat(laid.height, counts) / (np.pi * ratio)) / unit
-    points = laid.points / (unit, unit, unit * ratio)
-    data = new_curves(kind, points, counts, radius, {label: getattr(laid, label) for label in LABELS}, marked)
-    data.materials.append(plastic(kind.split()[0]))
-    made = bpy.data.objects.new(kind, data)
-    made.location = origin / unit
-    made.scale = (1.0, 1.0, ratio)
-    made[STRANDS_KEY] = kind
-    return made
-
-
 def _replace_strands(collection: bpy.types.Collection, new: list[bpy.types.Object], name: str) -> None:
     """Take the former strands out of the collection and put the new ones in; whatever else it holds stays."""
     for former in strands_in(collection):
@@ -296,20 +160,3 @@ def bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> Flo
     matrix = np.array(source.matrix_world)
     world = local.reshape(-1, 3)[np.unique(corners)] @ matrix[:3, :3].T + matrix[:3, 3]
     return world.min(axis=0) * unit - mesh.bounds_of(0)[0]
-
-
-def read_strands(shown: bpy.types.Object) -> tuple[FloatArray, IntArray, FloatArray, dict[str, IntArray]]:
-    """What `new_curves` takes, read back from a strand object."""
-    data = shown.data
-    points = np.empty(len(data.points) * 3, dtype=np.float32)
-    data.attributes["position"].data.foreach_get("vector", points)
-    radius = np.empty(len(data.points), dtype=np.float32)
-    data.attributes["radius"].data.foreach_get("value", radius)
-    start = np.empty(len(data.curves) + 1, dtype=np.int32)
-    data.curve_offset_data.foreach_get("value", start)
-    labels = {}
-    for label in LABELS:
-        values = np.empty(len(data.curves), dtype=np.int32)
-        data.attributes[label].data.foreach_get("value", values)
-        labels[label] = values.astype(np.int64)
-    return points.reshape(-1, 3).astype(np.float64), np.diff(start).astype(np.int64), radius.astype(np.float64), labels
