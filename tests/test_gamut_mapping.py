@@ -51,17 +51,25 @@ def test_compressed_tones_stay_printable_in_order_and_are_never_stretched(first,
 
 
 def test_range_of_a_picture_leaves_specks_out_but_not_fine_print():
+    dark, light = 76 / 256, 231 / 256
     tone = np.full(100_000, 0.5)  # places of 0.05 mm²
-    tone[:15], tone[20:40], tone[50:80] = 0.0, 1.0, 0.3
-    assert image_range(tone, 0.05) == (0.3, 0.5)
-    tone[80:100] = 0.9
-    assert image_range(tone, 0.05) == (0.3, 0.9)
+    tone[:15], tone[20:40], tone[50:80] = 0.0, 1.0, dark
+    assert image_range(tone, 0.05) == (dark, 0.5)
+    tone[80:100] = light
+    assert image_range(tone, 0.05) == (dark, light)
     # The same surface seen as fewer places, some of them larger.
-    area, places = np.array([2.0, 3.0, 0.5, 4000.0]), np.array([0.9, 0.3, 0.0, 0.5])
-    assert image_range(places, area) == (0.3, 0.9)
+    area, places = np.array([2.0, 3.0, 0.5, 4000.0]), np.array([light, dark, 0.0, 0.5])
+    assert image_range(places, area) == (dark, light)
     few = np.linspace(0.2, 0.7, 6)
-    assert image_range(few, 0.05) == image_range(few, np.full(6, 0.05)) == pytest.approx((0.2, 0.7))
+    assert image_range(few, 0.05) == image_range(few, np.full(6, 0.05)) == (51 / 256, 180 / 256)
     assert image_range(np.zeros(0), 0.05) == WHOLE_RANGE
+
+
+def test_a_stroke_within_the_range_of_a_picture_leaves_it_as_it_is():
+    tone = np.random.default_rng(2).uniform(0.101, 0.901, 50_000)
+    known = image_range(tone, 0.05)
+    tone[:3000] = 0.4
+    assert image_range(tone, 0.05) == known and known[0] <= tone.min() + 0.002 and known[1] >= tone.max() - 0.002
 
 
 def test_the_tables_for_a_preview_are_what_the_job_prints():

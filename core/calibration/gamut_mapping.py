@@ -11,6 +11,7 @@ from .table import ToneTable, slope_shares
 
 WHOLE_RANGE = (0.0, 1.0)
 _SPECK_MM2, _SPECK_SHARE = 1.0, 0.001
+_RANGE_STEPS = 256  # of the darkest and the lightest tone
 _LEAST_SHARED = 0.75  # least share of a slope's range, or of the target range if that is smaller, that is used
 
 
@@ -67,7 +68,8 @@ def image_range(tone: FloatArray, area_mm2: FloatArray | float) -> tuple[float, 
     """The darkest and the lightest tone of a picture on a surface, specks left out.
 
     At least a square millimetre of the surface, or a thousandth of it if that is less, is as dark or as light: a broken
-    or blown-out pixel does not count, a word of fine print does.
+    or blown-out pixel does not count, a word of fine print does. Both are told in steps of 1/256, outwards, so that a
+    stroke somewhere hardly ever changes the tones of all the rest.
 
     Args:
         tone: (N,) asked for at points all over the surface.
@@ -88,7 +90,8 @@ def image_range(tone: FloatArray, area_mm2: FloatArray | float) -> tuple[float, 
         speck = min(_SPECK_MM2 / area_mm2, _SPECK_SHARE * len(tone))
         rank = [int(speck), len(tone) - 1 - int(speck)]
         ends = np.partition(tone, rank)[rank]
-    darkest, lightest = np.clip(ends, 0.0, 1.0).tolist()
+    low_step, high_step = np.clip(ends, 0.0, 1.0) * _RANGE_STEPS
+    darkest, lightest = float(np.floor(low_step)) / _RANGE_STEPS, float(np.ceil(high_step)) / _RANGE_STEPS
     return darkest, max(darkest, lightest)
 
 
