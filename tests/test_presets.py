@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from dualcolor.cli import main
 from dualcolor.core.errors import OutputError, SettingsError
@@ -54,6 +55,14 @@ def test_qualities_and_later_presets_count():
 def test_the_paper_is_a_preset():
     paper = PrintSettings().changed(preset_values(["paper"]))
     assert (paper.pattern, paper.wave_depth_max, paper.wave_depth_min, paper.offset_max) == ("wave", 0.75, 0.375, 0)
+
+
+def test_settings_agree_with_a_preset_up_to_single_precision():
+    fine = read_preset(preset_files()["fine"])
+    values = PrintSettings().changed(fine.settings).as_dict()
+    height = values["layer_height"]
+    assert agrees(fine, values | {"layer_height": float(np.float32(height))})
+    assert not agrees(fine, values | {"layer_height": 1.0001 * height})
 
 
 def test_kinds_share_no_setting_and_leave_none_of_the_print_out():
