@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from contextlib import suppress
 from dataclasses import Field, fields
 from typing import Any
@@ -18,6 +19,8 @@ from .soft_proof import follow_paint, follow_settings
 from .units import LENGTH_DIGITS
 
 _REPORTED = ("bounds_mm", "layers", "time_s", "filament", "settings", "warnings")
+_LABELS = {declared.name: declared.name.replace("_", " ").title() for declared in fields(PrintSettings)}
+_NAMES = re.compile(rf"\b({'|'.join(name for name in _LABELS if '_' in name)})\b")
 _SEARCHED = {"seam_visibility": visibility_names}
 FLOAT_DIGITS = 6
 """A FloatProperty is single precision: 0.2 comes back as 0.200000003, which six significant digits undo."""
@@ -28,6 +31,11 @@ def label_of(declared: Field[Any]) -> str:
     title = declared.name.replace("_", " ").title()
     unit = declared.metadata["unit"]
     return f"{title} ({unit})" if unit not in ("", "mm", "%") else title
+
+
+def with_labels(sentence: str) -> str:
+    """A sentence of the core with settings as Blender shows them: "Brim Width" instead of "brim_width"."""
+    return _NAMES.sub(lambda found: _LABELS[found[0]], sentence)
 
 
 def property_of(declared: Field[Any]) -> Any:

@@ -7,6 +7,7 @@ from contextlib import suppress
 
 import bpy
 
+from ..bridge.properties import with_labels
 from ..core.errors import PrintError
 from ..core.progress import Progress, drained
 from ..core.records import dataclass
@@ -49,7 +50,7 @@ class JobOperator:
         try:
             message = drained(self.steps(context), lambda step: manager.progress_update(100 * step[0]))
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
+            self.report({"ERROR"}, with_labels(str(problem)))
             return {"CANCELLED"}
         finally:
             manager.progress_end()
@@ -86,7 +87,7 @@ class JobOperator:
             self.report({self.outcome}, finished.value)
             outcome = {"FINISHED"}
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
+            self.report({"ERROR"}, with_labels(str(problem)))
         finally:
             if outcome != {"RUNNING_MODAL"}:
                 self.cancel(context)

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from ..bridge.properties import values_of
+from ..bridge.properties import values_of, with_labels
 from ..operators.job import JobOperator
 from .sections import Section
 
@@ -29,7 +29,8 @@ def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, text: 
     """A sentence on as many lines as the sidebar's width asks for."""
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for number, line in enumerate(wrapped(text, context.region.width, context.preferences.system.ui_scale)):
+    width, scale = context.region.width, context.preferences.system.ui_scale
+    for number, line in enumerate(wrapped(with_labels(text), width, scale)):
         column.label(text=line, icon="BLANK1" if number else icon)
 
 

@@ -161,7 +161,7 @@ def test_a_copy_of_a_printed_object_and_one_whose_strands_were_deleted_look_as_b
 def test_an_error_is_reported_and_nothing_is_made(block):
     block.dualcolor.wave_depth_min, block.dualcolor.wave_depth_max = 0.5, 0.4
     before = datablocks()
-    with pytest.raises(RuntimeError, match="wave_depth_min"):
+    with pytest.raises(RuntimeError, match="Wave Depth Min"):
         bpy.ops.dualcolor.generate()
     assert datablocks() == before and block.dualcolor.report == ""
 
