@@ -78,7 +78,8 @@ def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, stray: float, sett
     work = _Rounding(grid, plan, stray, settings)
     cuts = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2)).tolist()
     for begin, end in pairwise(cuts):
-        work.layer(begin, end)
+        if grid.start[begin] < grid.start[end]:
+            work.layer(begin, end)
     return Phase(work.plain + work.lack, work.turns.astype(np.int64))
 
 
