@@ -167,6 +167,7 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.until("bpy.context.object.dualcolor.show_print")
     user.until(f"not ({RUNNING})")
     assert user.ask(STRANDS)
+    user.find("dualcolor.generate")  # the results are seen below it
     user.move(*user.view())
     shot("strands")
     marked = exported(user, tmp_path / "painted.gcode")
