@@ -128,14 +128,6 @@ class StageCache:
         settings = next((given for given in arguments if isinstance(given, PrintSettings)), None)
         return self._held.get(stage), settings, tuple(given for given in arguments if given is not settings)
 
-    def former(self, name: str, value: Result) -> Result:
-        """What was last kept under a name if it equals the value, so that stages know it again; else the value."""
-        held = self._held.get(name)
-        if held is None or not _same(held.result, value):
-            self._held[name] = held = _Held((), {}, value)
-        kept: Result = held.result
-        return kept
-
     def trim(self) -> None:
         """The run is over: forget all if it takes too much memory."""
         self._is_whole = True
@@ -171,10 +163,6 @@ class NoCache(StageCache):
     ) -> Result:
         """The function's result."""
         return whole(*given, *arguments)
-
-    def former(self, name: str, value: Result) -> Result:
-        """The value."""
-        return value
 
 
 class _Watched(PrintSettings):

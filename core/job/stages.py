@@ -22,7 +22,6 @@ class Stages:
         run: calls a function unless the cache holds its result, see `StageCache.run`.
         compare_layers: see `StageCache.compare_layers`.
         run_layers: makes only those layers anew that differ, see `StageCache.run_layers`.
-        former: a value that the cache may know, see `StageCache.former`.
     """
 
     def __init__(self, cache: StageCache | None) -> None:
@@ -30,7 +29,7 @@ class Stages:
         self._cache.begin()
         self._clock = StageClock()
         self._beside = ThreadPoolExecutor(1)
-        self.run, self.former = self._cache.run, self._cache.former
+        self.run = self._cache.run
         self.compare_layers, self.run_layers = self._cache.compare_layers, self._cache.run_layers
 
     def __enter__(self) -> Stages:
