@@ -9,12 +9,10 @@ from ..model import BoolArray, IntArray, Shapes
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
-from .clipping import parted
 from .walls import offset
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
 _AREA_ERROR_MM2 = 0.01  # of an overlay that went right
-_MANY = 8  # regions that are overlaid at once in less time than one by one
 _SMALLEST_SPARSE_MM2 = 10.0  # a sparse remnant below this holds a line or two at best
 
 
@@ -113,7 +111,7 @@ def uncovered(
         shapely.prepare(near)  # a prepared shape must not be shared between threads
         for cutters in near[other - low]:
             cut = np.flatnonzero(~shapely.contains_properly(cutters, left) & ~shapely.is_empty(left))
-            left[cut], piece = (_parted if len(cut) >= _MANY else _overlaid)(left[cut], cutters[cut])
+            left[cut], piece = _parted(left[cut], cutters[cut])
             pieces.append(piece)
             owner.append(rows[cut])
     parts, piece_of = shapely.get_parts(np.concatenate(pieces), return_index=True)
@@ -122,15 +120,7 @@ def uncovered(
 
 
 def _parted(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes]:
-    """What of regions lies within others and what beyond, (N,) all; by GEOS where they touch."""
-    within, beyond, sound = parted(whole, cutters)
-    rest = np.flatnonzero(~sound | _wrong(whole, within, beyond))
-    within[rest], beyond[rest] = _overlaid(whole[rest], cutters[rest])
-    return within, beyond
-
-
-def _overlaid(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes]:
-    """The same by GEOS.
+    """What of regions lies within others and what beyond, (N,) all.
 
     Where boundaries run along each other within rounding errors, GEOS is now and then wrong by a large piece without
     a word; the areas tell, and then it works on a grid of 0.1 µm, which is safe but takes twice the time.
@@ -148,7 +138,7 @@ def _wrong(whole: Shapes, *parts: Shapes) -> BoolArray:
 
 
 def remainder(whole: Shapes, parts: Shapes) -> Shapes:
-    """Regions less parts of them, (N,) both; checked as in `_overlaid`."""
+    """Regions less parts of them, (N,) both; checked as in `_parted`."""
     rest: Shapes = shapely.difference(whole, parts)
     wrong = _wrong(whole, parts, rest)
     rest[wrong] = shapely.difference(whole[wrong], parts[wrong], grid_size=_GRID_MM)
