@@ -147,6 +147,14 @@ def test_nasty_files(data, name):
         assert len(result.slices.open_layers) == 0 or any("do not close" in text for text in result.warnings)
 
 
+def test_shells_that_cross_and_lie_on_one_another_are_united(data):
+    pytest.importorskip("bpy")
+    from benchmarks.robustness import printed
+
+    _, result = printed(data / "nasty" / "openscad-nonmanifold-crash.obj", 20.0)
+    assert agreement(result.mesh, result.slices, 4000).disagreements == 0
+
+
 @pytest.mark.parametrize("most", [1, 500, 3000])
 def test_bands_of_layers_give_the_same_outlines(most):
     from dataclasses import fields

@@ -42,7 +42,7 @@ def crossings(lines):
 @pytest.mark.parametrize("seed", range(5))
 def test_winding_numbers_stay_and_no_crossing_is_left(seed):
     before = random_loops(seed)
-    after = uncrossed(before)
+    after, _ = uncrossed(before)
     assert crossings(before) > 20 and crossings(after) == 0
     probe = np.random.default_rng(seed).uniform(0, 10, (2000, 2))
     for layer in (0, 1, 4):
@@ -54,7 +54,7 @@ def test_winding_numbers_stay_and_no_crossing_is_left(seed):
 @pytest.mark.parametrize("seed", range(5))
 def test_pieces_know_where_they_are_on_the_segment_they_are_of(seed):
     before = random_loops(seed)
-    after = uncrossed(before)
+    after, _ = uncrossed(before)
     begin, end = before.points[after.face], before.ends[after.face]
     for side, point in enumerate((after.points, after.ends)):
         share = after.carried[:, side, :1]
@@ -65,7 +65,7 @@ def test_pieces_know_where_they_are_on_the_segment_they_are_of(seed):
 
 
 def test_a_figure_of_eight_becomes_two_loops():
-    eight = uncrossed(loops([[0, 0], [4, 4], [4, 0], [0, 4]]))
+    eight, _ = uncrossed(loops([[0, 0], [4, 4], [4, 0], [0, 4]]))
     assert sorted(eight.signed_area) == pytest.approx([-4, 4])
     assert (eight.count == 3).all()
 
@@ -74,14 +74,15 @@ def test_loops_that_touch_or_lie_on_one_another_or_in_other_layers_stay_as_they_
     square = np.array([[0, 0], [4, 0], [4, 4], [0, 4]])
     beside, touching, elsewhere = (square + np.array(shift) for shift in ((4, 0), (8, 4), (1, 1)))
     lines = loops(square, square, beside, touching, elsewhere, layer=[0, 0, 0, 0, 1])
-    assert uncrossed(lines) is lines
-    assert uncrossed(lines.selected(np.zeros(5, dtype=bool))).points.shape == (0, 2)
+    after, meeting = uncrossed(lines)
+    assert after is lines and meeting.tolist() == [0]
+    assert uncrossed(lines.selected(np.zeros(5, dtype=bool)))[0].points.shape == (0, 2)
 
 
 def test_too_many_near_segments_are_left_to_others():
     rng = np.random.default_rng(1)
     many = loops(rng.uniform(0, 10, (2000, 2)))
-    assert uncrossed(many) is many
+    assert uncrossed(many)[0] is many
 
 
 def test_shells_that_cross_are_united_without_geos(monkeypatch):

@@ -105,9 +105,11 @@ def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: Pr
 def _mended(outlines: Outlines, crossing: BoolArray, shortest: float) -> tuple[Regions, NDArray[np.object_]]:
     """The regions of the layers with loops that cross, which `crossing` (L,) marks, and one multipolygon for each."""
     loops = outlines.selected(crossing[outlines.layer])
-    solid = regions_of(cleaned(uncrossed(loops), shortest)[0])
+    apart, touching = uncrossed(loops)
+    solid = regions_of(cleaned(apart, shortest)[0])
     regions = gathered(solid.polygons, solid.polygon_layer, len(crossing))
     still = _crossing(regions)
+    still[touching] = True  # loops are nested by one point of each, which may be one where they touch
     if still.any():
         whole = regions_of(_united_where(loops, still, shortest))
         solid = solid.with_layers_from(whole, still)

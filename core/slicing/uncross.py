@@ -14,7 +14,7 @@ _MOST_PAIRS = 256  # for each segment; where more have to be looked at, GEOS is 
 _PAIRS_AT_ONCE = 1 << 18
 
 
-def uncrossed(outlines: Outlines) -> Outlines:
+def uncrossed(outlines: Outlines) -> tuple[Outlines, IntArray]:
     """Loops along the same lines in the same directions, but where two lines cross, each goes on as the other one.
 
     Every place is wound around as often as before. What only touches or lies on one another stays as it is, and
@@ -22,11 +22,14 @@ def uncrossed(outlines: Outlines) -> Outlines:
 
     Args:
         outlines: loops of some layers.
+
+    Returns:
+        The loops, and the layers in which some touch or lie on one another.
     """
-    segment, share, place = _crossings(outlines)
+    segment, share, place, touching = _crossings(outlines)
     count, nodes = len(outlines.points), len(segment)
     if not nodes:
-        return outlines
+        return outlines, touching
     # Each crossing makes two nodes, one on either segment; they come after the points, and the second ones last.
     source, begin = np.concatenate([np.arange(count), segment]), np.concatenate([np.zeros(count), share])
     loop = outlines.loop[source]
@@ -45,13 +48,14 @@ def uncrossed(outlines: Outlines) -> Outlines:
     pieces = np.flatnonzero((begin > 0) | (end < 1))
     ends = [interpolated(carried[pieces], at[pieces]) for at in (begin, end)]
     carried[pieces] = np.stack(ends, axis=1)
-    return Outlines(points, start, layer, outlines.face[source], carried)
+    return Outlines(points, start, layer, outlines.face[source], carried), touching
 
 
-def _crossings(outlines: Outlines) -> tuple[IntArray, FloatArray, FloatArray]:
+def _crossings(outlines: Outlines) -> tuple[IntArray, FloatArray, FloatArray, IntArray]:
     """Segments (2K,) and shares (2K,) of K places (K, 2) where the insides of two segments of a layer cross.
 
-    The first of the two segments of each come first, in the order of the places, then the second ones.
+    The first of the two segments of each come first, in the order of the places, then the second ones. Last come the
+    layers in which an end of one segment lies on another one.
     """
     tails, heads = outlines.points, outlines.ends
     first, second = _near_pairs(tails, heads, outlines.layer[outlines.loop])
@@ -62,12 +66,15 @@ def _crossings(outlines: Outlines) -> tuple[IntArray, FloatArray, FloatArray]:
     # On which side of each segment's line the ends of the other one lie.
     before, after = _cross(b - a, c - a), _cross(b - a, d - a)
     below, above = _cross(d - c, a - c), _cross(d - c, b - c)
-    crossing = np.flatnonzero((before * after < 0) & (below * above < 0))
+    through, across = before * after, below * above
+    crossing = np.flatnonzero((through < 0) & (across < 0))
+    meeting = np.flatnonzero((through <= 0) & (across <= 0) & ((through == 0) | (across == 0)))
+    touching = np.unique(outlines.layer[outlines.loop[first[meeting]]])
     first, second, a, b = first[crossing], second[crossing], a[crossing], b[crossing]
     before, after, below, above = (side[crossing] for side in (before, after, below, above))
     share = below / (below - above)
     place = a + share[:, None] * (b - a)
-    return np.concatenate([first, second]), np.concatenate([share, before / (before - after)]), place
+    return np.concatenate([first, second]), np.concatenate([share, before / (before - after)]), place, touching
 
 
 def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
