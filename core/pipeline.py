@@ -83,10 +83,10 @@ def steps(
         paths = yield from path_stages(wall, settings, stages)
         yield stages.begin(0.9, "analysis")
         begun = stages.aside("gcode", begin_text, paths.moves, settings) if begin_gcode else None
-        told = stages.run_layers("time", summary, summary_anew, (paths.moves,), settings)
-        report = findings(model, wall, paths, *told, settings)
+        times = stages.run_layers("time", summary, summary_anew, (paths.moves,), settings)
+        report = findings(model, wall, paths, *times, settings)
     report |= stages.ended()
-    begins = layer_begins(*told)
+    begins = layer_begins(*times)
     return DualColorPrint(
         settings, model.name, wall.mesh, wall.cut, wall.outlines, paths.moves, begins, report, report["warnings"], begun
     )

@@ -11,7 +11,7 @@ from dualcolor.core.pipeline import generate
 from dualcolor.core.progress import drained
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics.breakdown import filament_report, heating_seconds, time_report
-from dualcolor.core.statistics.single_color import Below, single_color_moves, single_color_seconds
+from dualcolor.core.statistics.single_color import single_color_moves, single_color_seconds
 from dualcolor.core.statistics.time_and_filament import layer_begins, move_seconds, print_time
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.printing import rosette
@@ -112,8 +112,8 @@ def compared(model, settings):
     known = paths.single_color.result()
     told = single_color_seconds(known, paths.moves, move_seconds(paths.moves, printer), settings)
     beside = paths.beside
-    inner, below = Paths.joined([paths.fill, beside.holding]), Below(beside.hanging, beside.outlines)
-    moves = single_color_moves(wall.outlines, inner, wall.cut.layers, settings, paths.within, below=below)
+    inner = Paths.joined([paths.fill, beside.holding])
+    moves = single_color_moves(wall.outlines, inner, wall.cut.layers, settings, paths.within, below=beside.below)
     return told, move_seconds(moves, printer).sum(), len(known.layer) / len(wall.cut.layers)
 
 

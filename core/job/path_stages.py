@@ -18,13 +18,13 @@ from ..progress import Progress
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.slices import Slices
-from ..statistics.single_color import Below, SingleColor, single_color
+from ..statistics.single_color import SingleColor, single_color
 from ..supports.grid_overlay import distinct
 from ..supports.paths import Supports, on_bed, supports
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths
 from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths
-from ..toolpaths.overhangs import undersides
+from ..toolpaths.overhangs import Below, undersides
 from ..toolpaths.raft import raised
 from ..toolpaths.surroundings import ground, shadow, surrounding_paths
 from ..toolpaths.travels import Rooms, rooms
@@ -87,7 +87,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     inner = Paths.joined([fill, holding.paths])
     below = Below(hanging.result(), known.outlines)
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
-    beside = Surrounded(holding.paths, around.result(), cut.layers, below.hanging, known.outlines)
+    beside = Surrounded(holding.paths, around.result(), cut.layers, below)
     printed = layered("toolpaths", toolpaths, toolpaths_anew, (outer, fill, within), beside, settings)
     return PrintedPaths(fill, within, beside, printed.moves, printed.paths, thin, alone)
 

@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from ..model import BoolArray, FloatArray, IntArray, Shapes
+from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Paths
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -15,7 +15,7 @@ from ..statistics.time_and_filament import move_seconds, stretches
 from ..toolpaths.assemble import assemble
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths, ordered
-from ..toolpaths.overhangs import Undersides, with_overhangs
+from ..toolpaths.overhangs import Below, with_overhangs
 from ..toolpaths.raft import lifted, raised
 from ..toolpaths.travels import Rooms
 from .checks import check
@@ -45,15 +45,13 @@ class Surrounded:
         holding: supports.
         around: skirt or brim, tower, shield and raft.
         layers: the object's stack.
-        hanging: where walls may hang over air.
-        outlines: (L,) cross-section of each layer.
+        below: what carries the walls.
     """
 
     holding: Paths
     around: Paths
     layers: Layers
-    hanging: Undersides | None
-    outlines: Shapes
+    below: Below
 
 
 def toolpaths(wall: Paths, fill: Paths, within: Rooms, beside: Surrounded, settings: PrintSettings) -> Toolpaths:
@@ -102,7 +100,7 @@ def toolpaths_anew(
 
 def _ordered(parts: list[Paths], around: Paths, beside: Surrounded, settings: PrintSettings) -> OrderedPaths:
     paths = ordered(Paths.joined([*(lifted(part, settings) for part in parts), around]), settings)
-    return with_overhangs(paths, beside.hanging, beside.outlines, settings)
+    return with_overhangs(paths, beside.below, settings)
 
 
 def _apart(paths: OrderedPaths, layers: int) -> bool:

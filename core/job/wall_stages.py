@@ -101,7 +101,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     yield stages.begin(0.05, "slicing")
     cut = run("slicing", slices, mesh, settings)
     layers = len(cut.layers)
-    closes = aside("closing", closing, cut.polygons, cut.polygon_layer, len(cut.layers), settings)
+    closes = aside("closing", closing, cut.polygons, cut.polygon_layer, layers, settings)
     yield stages.begin(0.2, "contours")
     lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings, reach_of(settings))
     yield stages.begin(0.3, "sampling")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ..model import FloatArray, IntArray, Shapes
+from ..model import FloatArray, IntArray
 from ..paths import Feature, Paths
 from ..pattern.wave import WavedOutlines
 from ..ragged import following, ranges, starts, sums
@@ -17,7 +17,7 @@ from ..slicing.planes import Layers
 from ..toolpaths.assemble import assemble
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import ordered
-from ..toolpaths.overhangs import Undersides, with_overhangs
+from ..toolpaths.overhangs import Below, with_overhangs
 from ..toolpaths.travels import Rooms
 from .time_and_filament import move_seconds, tool_change_rows
 
@@ -27,19 +27,6 @@ ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 _AROUND = (Feature.SKIRT, Feature.BRIM, Feature.RAFT)
 # Of a tall print, the time of about this many layers is computed.
 _KNOWN_LAYERS = 20
-
-
-@dataclass(frozen=True)
-class Below:
-    """What carries the walls of a print.
-
-    Attributes:
-        hanging: where walls may hang over air, if anywhere.
-        outlines: (L,) cross-section of each layer.
-    """
-
-    hanging: Undersides | None
-    outlines: Shapes
 
 
 @dataclass(frozen=True)
@@ -153,7 +140,8 @@ def single_color_moves(
     if below and below.hanging:
         under = below.outlines[np.maximum(chosen - 1, 0)]  # none of the first layer's walls hangs
         shifted = np.append(under[1:], under[:1])  # the layer below is looked for one before
-        printed = with_overhangs(printed, below.hanging.of_layers(chosen), shifted, replace(plain, raft_layers=0))
+        stacked = Below(below.hanging.of_layers(chosen), shifted)
+        printed = with_overhangs(printed, stacked, replace(plain, raft_layers=0))
     return assemble(printed, stack, plain, within, single_color=True)
 
 

@@ -54,6 +54,19 @@ class Undersides:
         return np.asarray(self.cells.ravel().take((layer * columns + column) * rows + row, mode="clip"))
 
 
+@dataclass(frozen=True)
+class Below:
+    """What carries the walls of a print.
+
+    Attributes:
+        hanging: see `undersides`.
+        outlines: (L,) cross-section of each layer of the object.
+    """
+
+    hanging: Undersides | None
+    outlines: Shapes
+
+
 def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -> Undersides | None:
     """Where the faces are so flat that the outline may move by more than a line's width from a layer to the next.
 
@@ -97,20 +110,18 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
     return Undersides(on, corner, cells)
 
 
-def with_overhangs(
-    paths: OrderedPaths, hanging: Undersides | None, outlines: Shapes, settings: PrintSettings
-) -> OrderedPaths:
+def with_overhangs(paths: OrderedPaths, below: Below, settings: PrintSettings) -> OrderedPaths:
     """The paths with those lines of walls marked that hang over air, cut where they begin to, with their own amount.
 
     Args:
         paths: in printing order.
-        hanging: see `undersides`.
-        outlines: (L,) cross-section of each layer of the object.
+        below: what carries the walls.
         settings: `raft_layers` lie below the object's; `bridge_flow` is theirs.
 
     Returns:
         `over_air` is None where nothing hangs.
     """
+    hanging = below.hanging
     if hanging is None:
         return paths
     layer = paths.layer - settings.raft_layers
@@ -128,7 +139,7 @@ def with_overhangs(
     group = np.cumsum(np.diff(lines.chord, prepend=lines.chord[:1]) != 1).take(of)  # lines that follow each other
     asked = _one_each(length, group)
     reach = settings.extrusion_width / 2 + settings.wave_crest  # crests are not to be slowed
-    free = _free(lines, of[asked], np.array([x[asked], y[asked]]), outlines, reach)
+    free = _free(lines, of[asked], np.array([x[asked], y[asked]]), below.outlines, reach)
     if not free.any():
         return paths
     free = _long_parts(np.repeat(free, np.diff(np.append(asked, len(of)))), length, group)
