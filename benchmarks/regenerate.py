@@ -105,7 +105,7 @@ def timed(model: Any, settings: Any, cache: Any) -> Times:
     from dualcolor.core.pipeline import generate
 
     began, cpu = perf_counter(), os.times()
-    export_gcode(generate(model, settings, cache=cache, begin_gcode=True), Path(os.devnull))
+    export_gcode(generate(model, settings, cache=cache), Path(os.devnull))
     wall, now = perf_counter() - began, os.times()
     return wall, now.user + now.system - cpu.user - cpu.system
 
