@@ -12,7 +12,7 @@ from .commands import analyse, audit, build_table, demo, measure, plate, read_ph
 from .commands import print as print_command
 from .commands.terminal import file_size
 from .core.errors import PrintError
-from .core.outputs import OutputFiles, ended_by_signals
+from .core.files import OutputFiles, ended_by_signals
 
 PROGRAM = "dualcolor"
 DONE, USER_ERROR, INTERRUPTED = 0, 1, 130

@@ -29,8 +29,8 @@ from dualcolor.core.calibration.gamut_mapping import image_range, targets  # noq
 from dualcolor.core.model import ToneImage  # noqa: E402
 from dualcolor.core.pictures.match import averaged, correlation, enlarged, in_pixels  # noqa: E402
 from dualcolor.core.pictures.shapes import fitted, picture_plate  # noqa: E402
-from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.presets import preset_values  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
 from PIL import Image, ImageDraw, ImageFont  # noqa: E402
 

@@ -34,8 +34,8 @@ from dualcolor.core.calibration.photograph import read_photograph  # noqa: E402
 from dualcolor.core.calibration.step_wedge import patches, references, wedge_plate, wedge_settings  # noqa: E402
 from dualcolor.core.pictures.shapes import surface_of  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
-from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.presets import preset_values  # noqa: E402
 from mathutils import Matrix, Vector  # noqa: E402
 
 DISTANCE_MM, TURN_DEG, ROLL_DEG = 320.0, 8.0, 4.0

@@ -28,8 +28,8 @@ from dualcolor.commands.measure import slants  # noqa: E402
 from dualcolor.core.calibration.calibrate import table_for  # noqa: E402
 from dualcolor.core.calibration.gamut_mapping import WHOLE_RANGE, printable_tones  # noqa: E402
 from dualcolor.core.calibration.tile import profile_tile  # noqa: E402
-from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.presets import preset_values  # noqa: E402
 
 PAGE = ROOT / "docs" / "calibration.md"
 PRESETS = ("set_back", "waves_set_back", "paper")

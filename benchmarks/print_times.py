@@ -22,8 +22,8 @@ from dualcolor.benchmarks.models import obj_triangles, scaled  # noqa: E402
 from dualcolor.benchmarks.tables import replace_table  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
-from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.presets import preset_values  # noqa: E402
 
 DATA = ROOT.parent / "shared" / "data"
 OUT = ROOT / "docs" / "print_times.md"

@@ -29,8 +29,8 @@ from dualcolor.core.contours.slant import slant_along  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
-from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.presets import preset_values  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
 from dualcolor.core.toolpaths.moves import Moves  # noqa: E402
 from PIL import Image, ImageDraw, ImageFont  # noqa: E402

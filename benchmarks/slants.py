@@ -26,8 +26,8 @@ from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.calibration.tile import leaning_slab  # noqa: E402
 from dualcolor.core.model import ToneImage  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
-from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.presets import preset_values  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
 from PIL import Image, ImageDraw, ImageFont  # noqa: E402
 

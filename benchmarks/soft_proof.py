@@ -32,8 +32,8 @@ from dualcolor.core.model import FloatArray, ToneImage  # noqa: E402
 from dualcolor.core.pattern.modulation import PERIOD_LAYERS  # noqa: E402
 from dualcolor.core.pictures.match import averaged, correlation, in_pixels  # noqa: E402
 from dualcolor.core.pictures.shapes import PictureShape, fitted, picture_plate  # noqa: E402
-from dualcolor.core.presets import preset_values  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.presets import preset_values  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
 from PIL import Image  # noqa: E402
 

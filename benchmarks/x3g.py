@@ -26,8 +26,8 @@ from dualcolor.core.gcode.writer import gcode_text  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.pipeline import DualColorPrint, generate  # noqa: E402
-from dualcolor.core.printer import PrinterProfile  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.printer import PrinterProfile  # noqa: E402
 from dualcolor.core.x3g.audit import audit  # noqa: E402
 from dualcolor.core.x3g.commands import Action, Command  # noqa: E402
 from dualcolor.core.x3g.reader import Commands, read_x3g  # noqa: E402

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..core.model import FloatArray
-from ..core.printer import PrinterProfile
+from ..core.settings.printer import PrinterProfile
 from .units import mm_per_unit
 
 _ROUNDING_MM = 1e-3

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.errors import TextureError
 from ..core.model import FloatArray
-from ..core.printer import printer_profile
+from ..core.settings.printer import printer_profile
 from ..core.texture.decode import linear_from_srgb, srgb_from_linear
 from ..core.texture.grade import Grade, graded
 from .base_colour import BaseColour, base_colour, chosen_colour, picture_layer

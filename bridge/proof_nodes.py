@@ -12,9 +12,9 @@ import math
 
 import bpy
 
+from ..core.analysis.soft_proof import TAPS
 from ..core.printability.slopes import DEGRADED_DEG, GONE_DEG
 from ..core.records import dataclass
-from ..core.soft_proof import TAPS
 from ..core.texture.decode import LUMINANCE
 from .base_colour import BaseColour
 from .plastics import diffuse_material

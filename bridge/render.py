@@ -16,8 +16,8 @@ from ..core.errors import OutputError, PrintError
 from ..core.files import write_file
 from ..core.model import FloatArray, SurfaceModel
 from ..core.paths import Feature
+from ..core.pictures.viewing import Picture
 from ..core.progress import drained
-from ..core.viewing import Picture
 from .painted import painted_model
 from .render_rods import render_rods
 from .scrubber import strands_in

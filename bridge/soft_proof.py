@@ -14,9 +14,9 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
+from ..core.analysis.soft_proof import ProofTable, proof_settings, proof_table, proof_window, repeats, tone_range
 from ..core.errors import PrintError
 from ..core.settings import PrintSettings
-from ..core.soft_proof import ProofTable, proof_settings, proof_table, proof_window, repeats, tone_range
 from .base_colour import BaseColour, base_colour, chosen_colour, picture_layer
 from .mesh_input import surface_model
 from .printed_materials import COVERED_KEY, PROOF_KEY, is_proof, printed_materials

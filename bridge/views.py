@@ -11,8 +11,7 @@ import bpy
 from ..core.errors import OutputError
 from ..core.files import write_file
 from ..core.model import SurfaceModel
-from ..core.progress import Progress, translated
-from ..core.viewing import (
+from ..core.pictures.viewing import (
     DISTANCES_MM,
     TURNTABLE,
     USUAL_VIEW,
@@ -22,6 +21,7 @@ from ..core.viewing import (
     contact_sheet,
     seen_from,
 )
+from ..core.progress import Progress, translated
 from .render import Photographer, photographer
 
 TURNTABLE_FRAMES = 24

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..core.errors import OutputError
-from ..core.files import write_file
-from ..core.outputs import OutputFiles
+from ..core.files import OutputFiles, write_file
+from ..core.pictures.viewing import TURNTABLE, VIEWS, view_files
 from ..core.settings import PrintSettings
-from ..core.viewing import TURNTABLE, VIEWS, view_files
 from .arguments import add_settings, angle, chosen_outputs, chosen_settings, path_ending_in, positive
 from .pictures import views
 from .terminal import Progress

@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..core.presets import preset_files, preset_values, read_settings
 from ..core.settings import PrintSettings
+from ..core.settings.presets import preset_files, preset_values, read_settings
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:

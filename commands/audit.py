@@ -6,9 +6,8 @@ import argparse
 from pathlib import Path
 
 from ..core.errors import PrintError
-from ..core.files import read_print_file
-from ..core.outputs import OutputFiles
-from ..core.printer import printer_names, printer_profile
+from ..core.files import OutputFiles, read_print_file
+from ..core.settings.printer import printer_names, printer_profile
 from ..core.x3g.audit import audit
 from ..core.x3g.reader import read_x3g
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..core.outputs import OutputFiles
+from ..core.files import OutputFiles
 from .arguments import path_ending_in
 
 NAME = "build-table"

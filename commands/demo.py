@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..core.outputs import OutputFiles, make_folder
+from ..core.files import OutputFiles, make_folder
 from .arguments import add_settings, chosen_settings
 from .pictures import add_pictures, picture_options, picture_outputs
 from .produce import produce

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..core.calibration.sweep import BLOCKS, read_sweep, sweep_path, write_sweep
 from ..core.errors import CalibrationError
-from ..core.outputs import OutputFiles, make_folder
+from ..core.files import OutputFiles, make_folder
 from .arguments import add_settings, chosen_settings
 from .terminal import Progress
 

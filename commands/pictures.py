@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..core.errors import OutputError
-from ..core.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
+from ..core.pictures.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
 from .arguments import angle, path_ending_in
 
 _NAMES = (*VIEWS, TURNTABLE)

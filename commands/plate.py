@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from ..core.errors import SettingsError
-from ..core.outputs import OutputFiles, make_folder
+from ..core.files import OutputFiles, make_folder
 from ..core.pattern.modulation import PERIOD_LAYERS
 from ..core.pictures.match import PictureMatch
 from ..core.pictures.shapes import PictureShape, fitted, picture_plate

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from ..core.files import OutputFiles
 from ..core.model import SupportMark
-from ..core.outputs import OutputFiles
 from .arguments import add_settings, chosen_settings, positive
 from .pictures import picture_options
 from .produce import add_outputs, named_outputs, produce

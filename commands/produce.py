@@ -8,12 +8,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..core.files import write_file
-from ..core.outputs import OutputFiles
-from ..core.presets import settings_json
+from ..core.files import OutputFiles, write_file
+from ..core.pictures.viewing import PictureOptions
 from ..core.progress import drained
 from ..core.settings import PrintSettings
-from ..core.viewing import PictureOptions
+from ..core.settings.presets import settings_json
 from .arguments import chosen_outputs, gcode_path, path_ending_in
 from .pictures import PREFIX, add_pictures, picture_outputs
 from .terminal import Progress

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..core.errors import SettingsError
-from ..core.outputs import OutputFiles
+from ..core.files import OutputFiles
 from .arguments import add_settings, chosen_settings, path_ending_in
 
 NAME = "read-photo"

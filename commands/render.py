@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..core.outputs import OutputFiles
+from ..core.files import OutputFiles
 from .arguments import chosen_outputs, path_ending_in
 from .pictures import add_pictures, picture_options, picture_outputs
 from .produce import save_strands

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from ..core.wording import counted
+from ..core.errors import counted
 
 if TYPE_CHECKING:
     from ..core.pipeline import DualColorPrint

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from ..core.calibration.step_wedge import wedge_settings
-from ..core.outputs import OutputFiles
+from ..core.files import OutputFiles
 from .arguments import add_settings, chosen_settings
 from .pictures import picture_options
 from .produce import add_outputs, named_outputs, produce

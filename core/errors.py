@@ -1,4 +1,7 @@
-"""The errors a user can cause; everything else that is raised is a bug and keeps its traceback."""
+"""The errors a user can cause; everything else that is raised is a bug and keeps its traceback.
+
+Each says what is wrong and what to do about it; `counted` helps with such sentences, and with those of warnings.
+"""
 
 from __future__ import annotations
 
@@ -38,3 +41,8 @@ class OutputError(PrintError):
 
 class CalibrationError(PrintError):
     """Readings or a tone table that are missing, broken or inconsistent."""
+
+
+def counted(count: int, noun: str) -> str:
+    """How many there are of what: "1 layer", "2 layers"; for nouns whose plural ends in s."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

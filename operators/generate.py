@@ -10,11 +10,11 @@ from ..bridge.plate import check_present, objects_to_print, plate_model
 from ..bridge.preview import build_preview, source_of
 from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept, stages_of
+from ..core.errors import counted
 from ..core.model import SurfaceModel
 from ..core.pipeline import DualColorPrint, steps
 from ..core.progress import Progress, translated
 from ..core.settings import PrintSettings
-from ..core.wording import counted
 from .job import JobOperator, Steps
 from .polls import has_printable
 from .viewing import make_active, show_in_local_views

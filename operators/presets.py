@@ -13,7 +13,8 @@ from ..bridge.preview import source_of
 from ..bridge.properties import from_settings, to_settings, values_of
 from ..core.errors import PrintError
 from ..core.files import write_file
-from ..core.presets import (
+from ..core.settings import PrintSettings
+from ..core.settings.presets import (
     KINDS,
     preset_files,
     preset_values,
@@ -23,7 +24,6 @@ from ..core.presets import (
     save_preset,
     settings_json,
 )
-from ..core.settings import PrintSettings
 from .polls import has_printable
 
 _KIND_ITEMS = [(kind, kind.title(), "") for kind in KINDS]

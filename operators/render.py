@@ -14,9 +14,9 @@ from ..bridge.render import RenderStoppedError
 from ..bridge.rods import rods_of
 from ..bridge.views import picture_steps
 from ..core.errors import PrintError
-from ..core.outputs import OutputFiles
+from ..core.files import OutputFiles
+from ..core.pictures.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
 from ..core.strands.mesh_files import write_mesh
-from ..core.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
 from .job import JobOperator, Steps
 from .viewing import show_file
 

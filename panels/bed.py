@@ -12,7 +12,7 @@ from ..bridge.plate import objects_to_print
 from ..bridge.preview import source_of
 from ..bridge.units import mm_per_unit
 from ..core.model import FloatArray
-from ..core.printer import printer_profile
+from ..core.settings.printer import printer_profile
 
 Colour = tuple[float, float, float, float]
 _VOLUME: Colour = (0.35, 0.65, 1.0, 0.9)

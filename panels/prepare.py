@@ -10,7 +10,7 @@ from ..bridge.model_check import TITLES
 from ..bridge.plate import objects_to_print
 from ..bridge.preview import source_of
 from ..bridge.properties import findings_of
-from ..core.printer import printer_profile
+from ..core.settings.printer import printer_profile
 from ..operators.check_model import DUALCOLOR_OT_check_model, DUALCOLOR_OT_repair_model, DUALCOLOR_OT_select_finding
 from ..operators.size import DUALCOLOR_OT_scale_to_height
 from .rows import draw_progress, draw_sentence

@@ -10,7 +10,7 @@ from ..bridge import preset_folder
 from ..bridge.preview import source_of
 from ..bridge.properties import values_of
 from ..core.errors import SettingsError
-from ..core.presets import KINDS, PRESETS, Preset, agrees, preset_files, read_preset
+from ..core.settings.presets import KINDS, PRESETS, Preset, agrees, preset_files, read_preset
 from ..operators.presets import (
     DUALCOLOR_OT_apply_preset,
     DUALCOLOR_OT_export_settings,

@@ -11,7 +11,7 @@ from gpu_extras.batch import batch_for_shader
 from ..bridge.preview import is_print_shown, preview_of, source_of
 from ..bridge.scrubber import KINDS, last_layer, moves_shown
 from ..bridge.strand_colours import LEGENDS, Colour, legend_of
-from ..core.viewing import encoded_tone
+from ..core.pictures.viewing import encoded_tone
 from .tab import Tab
 
 _SWATCH_PIXELS = 16

@@ -8,8 +8,8 @@ import pytest
 from dualcolor.core.errors import SettingsError
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.writer import gcode_text
-from dualcolor.core.presets import KINDS, kind_settings, read_preset, read_settings, save_preset, settings_json
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.presets import KINDS, kind_settings, read_preset, read_settings, save_preset, settings_json
 from dualcolor.tests.printing import OUTER_WALL, TRAVEL, table
 from dualcolor.tests.strategies import ANY_SETTINGS, examples
 from hypothesis import assume, given

@@ -9,7 +9,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.bed import bed_origin_mm, bounds_mm, reach_lines, volume_lines, what_does_not_fit  # noqa: E402
-from dualcolor.core.printer import printer_profile  # noqa: E402
+from dualcolor.core.settings.printer import printer_profile  # noqa: E402
 from dualcolor.operators.size import DUALCOLOR_OT_scale_to_height  # noqa: E402
 from scene import add_box  # noqa: E402
 

@@ -14,8 +14,8 @@ from dualcolor.core.calibration.tile import gradient_tile, profile_tile, step_ti
 from dualcolor.core.contours.slant import face_slant_deg
 from dualcolor.core.errors import CalibrationError
 from dualcolor.core.pipeline import generate
-from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.presets import preset_values
 from dualcolor.tests.solids import cylinder
 from dualcolor.tests.tone_tables import ABOUT, DEFAULT, TONE, inverse, table
 from hypothesis import given

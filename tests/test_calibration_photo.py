@@ -24,8 +24,8 @@ from dualcolor.core.calibration.table import read_table
 from dualcolor.core.errors import CalibrationError, PrintError
 from dualcolor.core.pictures.shapes import surface_of
 from dualcolor.core.pipeline import generate
-from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.presets import preset_values
 from dualcolor.tests.wedge_photograph import developed, light_on_wedge, marks_in
 from hypothesis import given
 from hypothesis import strategies as st

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from dualcolor import cli
 from dualcolor.core.errors import OutputError
-from dualcolor.core.outputs import OutputFiles
+from dualcolor.core.files import OutputFiles
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.scene import add_box, fresh
 

@@ -15,8 +15,8 @@ from dualcolor.core.gcode.numbers import (
 from dualcolor.core.gcode.sequences import end_sequence
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
-from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.presets import preset_values
 from dualcolor.core.statistics.time_and_filament import move_seconds
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.gpx import convert

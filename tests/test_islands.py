@@ -2,7 +2,7 @@
 
 import numpy as np
 import shapely
-from dualcolor.core.components import components
+from dualcolor.core.mesh.components import components
 from dualcolor.core.texture import labels as labels_module
 from dualcolor.core.texture.islands import uv_areas
 from dualcolor.core.texture.labels import rasterised

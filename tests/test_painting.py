@@ -9,7 +9,7 @@ bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.painting import picture_of, picture_size  # noqa: E402
 from dualcolor.core.errors import TextureError  # noqa: E402
-from dualcolor.core.printer import printer_profile  # noqa: E402
+from dualcolor.core.settings.printer import printer_profile  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb, srgb_from_linear  # noqa: E402
 from dualcolor.core.texture.grade import Grade, graded  # noqa: E402
 from scene import add_box, add_material, add_uvs, flat_image  # noqa: E402

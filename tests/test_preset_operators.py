@@ -12,8 +12,8 @@ from dualcolor.bridge import preset_folder  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.cli import main  # noqa: E402
-from dualcolor.core.presets import KINDS, kind_settings  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.core.settings.presets import KINDS, kind_settings  # noqa: E402
 from dualcolor.panels import presets  # noqa: E402
 from dualcolor.tests.scene import add_box  # noqa: E402
 

@@ -9,7 +9,8 @@ from dualcolor.core.errors import OutputError, SettingsError
 from dualcolor.core.exports import export_gcode
 from dualcolor.core.files import MOST_JSON_BYTES
 from dualcolor.core.pipeline import generate
-from dualcolor.core.presets import (
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.presets import (
     KINDS,
     PRESETS,
     agrees,
@@ -22,7 +23,6 @@ from dualcolor.core.presets import (
     save_preset,
     settings_json,
 )
-from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.solids import box
 
 CHOSEN = PrintSettings(layer_height=0.2, pattern="wave", center_on_bed=False, skirts=0, wave_depth_min=0.3)

@@ -10,9 +10,9 @@ from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.job.checks import check
 from dualcolor.core.pipeline import generate
-from dualcolor.core.presets import preset_values
-from dualcolor.core.printer import PRINTERS, printer_names, printer_profile, read_profile
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.presets import preset_values
+from dualcolor.core.settings.printer import PRINTERS, printer_names, printer_profile, read_profile
 from dualcolor.core.statistics.time_and_filament import print_time
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.motion import step_interval

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import OutputError, PrintError
 from dualcolor.core.exports import export_gcode
-from dualcolor.core.outputs import OutputFiles
+from dualcolor.core.files import OutputFiles
 from dualcolor.core.pipeline import generate, steps
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.solids import box, cylinder, picture
@@ -67,7 +67,7 @@ def test_a_killed_job_tidies_up(tmp_path, number):
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)  # a job of a shell may ignore it\n"
         "from launcher import load_package; load_package()\n"
         "from pathlib import Path; from time import sleep\n"
-        "from dualcolor.core.outputs import OutputFiles, ended_by_signals\n"
+        "from dualcolor.core.files import OutputFiles, ended_by_signals\n"
         "with ended_by_signals(), OutputFiles([Path('a.gcode')]) as files:\n"
         "    files.staged(Path('a.gcode')).write_text('half'); print('now', flush=True)\n"
         "    for _ in range(600): sleep(0.1)  # a signal just ahead of one long sleep would wait for its end\n"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import PrintError
 from dualcolor.core.gcode.reader import read_gcode
-from dualcolor.core.printer import read_profile
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.printer import read_profile
 from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.tests.fuzz.mutate import mutated
 from dualcolor.tests.fuzz.run import fuzzed

@@ -11,8 +11,8 @@ from dualcolor.core.calibration.sweep import read_sweep
 from dualcolor.core.calibration.table import read_table
 from dualcolor.core.errors import CalibrationError, PrintError, SettingsError
 from dualcolor.core.files import read_print_file
-from dualcolor.core.presets import read_preset, read_settings
-from dualcolor.core.printer import read_profile
+from dualcolor.core.settings.presets import read_preset, read_settings
+from dualcolor.core.settings.printer import read_profile
 
 
 def test_an_archive_that_unpacks_to_much_is_not_unpacked(tmp_path, monkeypatch):

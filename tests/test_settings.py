@@ -6,8 +6,8 @@ from dataclasses import fields
 
 import pytest
 from dualcolor.core.errors import SettingsError
-from dualcolor.core.setting_names import _ELSEWHERE
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.suggestions import _ELSEWHERE
 from dualcolor.tests.conftest import ROOT
 from hypothesis import given
 from hypothesis import strategies as st

@@ -16,6 +16,7 @@ from dualcolor.bridge.proof_picture import proof_picture  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
 from dualcolor.bridge.soft_proof import show_proof  # noqa: E402
 from dualcolor.bridge.unwrap import smart_project  # noqa: E402
+from dualcolor.core.analysis.soft_proof import TAPS, proof_table, proof_window, tone_range  # noqa: E402
 from dualcolor.core.calibration.calibrate import table_for  # noqa: E402
 from dualcolor.core.calibration.gamut_mapping import printable_tones  # noqa: E402
 from dualcolor.core.model import ToneImage  # noqa: E402
@@ -23,7 +24,6 @@ from dualcolor.core.pattern.modulation import PERIOD_LAYERS  # noqa: E402
 from dualcolor.core.pictures.match import averaged, correlation, in_pixels  # noqa: E402
 from dualcolor.core.pictures.shapes import picture_plate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
-from dualcolor.core.soft_proof import TAPS, proof_table, proof_window, tone_range  # noqa: E402
 from dualcolor.core.texture.decode import srgb_from_linear  # noqa: E402
 from mathutils import Matrix  # noqa: E402
 from scene import add_box, add_material, add_mesh, add_uvs, flat_image, fresh, model_of  # noqa: E402
@@ -182,7 +182,7 @@ def test_table_is_that_of_the_job_and_says_when_there_is_none(monkeypatch):
     table = table_for(settings)
     np.testing.assert_allclose(uncalibrated.reflectance[0], np.interp(made.tone, table.tone, table.reflectance[0]))
     assert "offset_max" in proof_table(settings.changed({"offset_max": 0.2}), (0, 1)).notes[0]
-    monkeypatch.setattr("dualcolor.core.soft_proof.table_for", lambda settings: None)
+    monkeypatch.setattr("dualcolor.core.analysis.soft_proof.table_for", lambda settings: None)
     unknown = proof_table(settings, (0.0, 1.0))
     np.testing.assert_array_equal(unknown.reflectance[3], unknown.tone)
     assert "unknown" in unknown.notes[0]

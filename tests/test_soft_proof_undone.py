@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy")
 import dualcolor  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
 from dualcolor.bridge.soft_proof import is_proofed, proof_notes  # noqa: E402
-from dualcolor.core.soft_proof import proof_table, tone_range  # noqa: E402
+from dualcolor.core.analysis.soft_proof import proof_table, tone_range  # noqa: E402
 from scene import add_box, add_material, add_uvs, flat_image, model_of  # noqa: E402
 
 KINDS = ("materials", "images", "node_groups", "objects", "meshes", "scenes")

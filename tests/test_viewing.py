@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from dualcolor.core.pictures.viewing import contact_sheet, encoded, resolution_mm, seen_from, view_files
 from dualcolor.core.texture.decode import linear_from_srgb
-from dualcolor.core.viewing import contact_sheet, encoded, resolution_mm, seen_from, view_files
 
 
 def grey(values):

@@ -17,9 +17,9 @@ from dualcolor.bridge.studio import swept  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.bridge.views import TURNTABLE_FRAMES, picture_steps  # noqa: E402
 from dualcolor.core.errors import OutputError  # noqa: E402
+from dualcolor.core.pictures.viewing import PictureOptions  # noqa: E402
 from dualcolor.core.progress import drained  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
-from dualcolor.core.viewing import PictureOptions  # noqa: E402
 from dualcolor.tests.scene import add_box, add_material, add_uvs, flat_image  # noqa: E402
 
 SMALL = PictureOptions(resolution=(40, 40), samples=2)

@@ -5,8 +5,8 @@ import pytest
 from dualcolor.core.errors import PrintError
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
-from dualcolor.core.presets import preset_values
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.presets import preset_values
 from dualcolor.core.statistics.time_and_filament import print_time
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.core.x3g.audit import audit

@@ -1,4 +1,4 @@
-"""Write docs/settings.md from the declarations in core/settings.py; run it with the environment's Python."""
+"""Write docs/settings.md from the declarations in core/settings/; run it with the environment's Python."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ TITLES = {
 }
 HEAD = """# Settings
 
-Made from `core/settings.py`; do not edit by hand. Every setting can be given with `--set name=value`, in a JSON file
-with `--settings FILE.json`, and in the sidebar, which shows the same names.
+Made from `core/settings/print_settings.py`; do not edit by hand. Every setting can be given with `--set name=value`, in
+a JSON file with `--settings FILE.json`, and in the sidebar, which shows the same names.
 """
 
 

@@ -1,1 +1,1 @@
-"""The analysis before a print: where seams and tracelines will show, and which way up shows the picture best."""
+"""The analysis before a print: where seams and tracelines will show, which way up, and what a texture turns into."""

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from ..mesh.surface_points import points_on_faces
 from ..model import FloatArray, IntArray, TriangleMesh
+from ..pictures.viewing import Picture
 from ..ragged import ranges
 from ..records import dataclass
-from ..viewing import Picture
 from .surface_curves import Rgb, SurfaceCurves
 
 CLAY: Rgb = (0.86, 0.85, 0.83)

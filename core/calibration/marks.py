@@ -13,8 +13,8 @@ import numpy as np
 
 from ..errors import CalibrationError
 from ..model import BoolArray, FloatArray, IntArray
+from ..pictures.viewing import blurred
 from ..settings import PrintSettings
-from ..viewing import blurred
 from .homography import is_clockwise, projected, square_to
 from .photograph import Photograph
 from .step_wedge import MARKS, patch_tones, patches, quarter_tones

@@ -10,8 +10,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from ..model import IntArray
-from ..printer import MarlinCommands
 from ..settings import PrintSettings
+from ..settings.printer import MarlinCommands
 from .fan import fan_off
 
 FILAMENT_AXIS = "E"

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import CHUNK_ROWS
 from ..paths import Feature
-from ..printer import PrinterProfile
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..settings.printer import PrinterProfile
 from ..statistics.time_and_filament import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Moves
 from .fan import fan_commands

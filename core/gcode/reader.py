@@ -6,14 +6,13 @@ import re
 
 import numpy as np
 
-from ..errors import PrintError, SettingsError
+from ..errors import PrintError, SettingsError, counted
 from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Feature
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..toolpaths.moves import Moves
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
-from ..wording import counted
 from .texts import read_back
 from .words import LETTERS, Words, read_words
 

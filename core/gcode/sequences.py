@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ..printer import PrinterProfile
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..settings.printer import PrinterProfile
 from .marlin import marlin_end, marlin_start, marlin_tool_change
 
 PRIME_WIDTH_MM = 1.0

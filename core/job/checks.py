@@ -7,8 +7,8 @@ import numpy as np
 from ..errors import MeshError, PrintError, SettingsError
 from ..model import BoolArray, FloatArray, bounds
 from ..paths import Feature
-from ..printer import PrinterProfile
 from ..settings import PrintSettings
+from ..settings.printer import PrinterProfile
 from ..toolpaths.moves import Moves
 
 _ROUNDING_MM = 1e-6

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..components import components, numbered
 from ..model import BoolArray, IntArray, TriangleMesh
 from ..ragged import starts
+from .components import components, numbered
 
 
 def inner_walls(mesh: TriangleMesh) -> IntArray:

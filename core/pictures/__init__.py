@@ -1,1 +1,1 @@
-"""Pictures on shapes: plates, cylinders and lamp shades that bear one, and how well their prints show it."""
+"""Pictures on shapes: plates, cylinders and lamp shades that bear one; how well prints show it, seen from how far."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..model import FloatArray, ToneImage
 from ..pattern.modulation import PERIOD_LAYERS
-from ..presets import preset_values
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..settings.presets import preset_values
 from .shapes import PictureShape, picture_tube
 
 _PAPER = "paper"

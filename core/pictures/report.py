@@ -10,8 +10,8 @@ import numpy as np
 from ..model import Float32Array, FloatArray
 from ..pattern.modulation import PERIOD_LAYERS
 from ..settings import PrintSettings
-from ..viewing import Picture, contact_sheet, encoded
 from .match import PictureMatch, averaged, enlarged, in_pixels
+from .viewing import Picture, contact_sheet, encoded
 
 _SHEET_MM_PER_PIXEL = 0.1
 _HEAD = """# Pictures on plates

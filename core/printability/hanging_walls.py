@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import counted
 from ..model import FloatArray, IntArray
 from ..paths import Feature
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..toolpaths.order import OrderedPaths
-from ..wording import counted
 
 _SHORTEST_MM = 5.0  # strands carry themselves over less
 _DROP_MM = 0.5  # above the bed or the raft, which catches what hangs lower

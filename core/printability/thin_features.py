@@ -8,13 +8,13 @@ import numpy as np
 import shapely
 
 from ..contours.contours import LEAST_WIDTH, Contours
+from ..errors import counted
 from ..fill.walls import offset, simplified
 from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths
 from ..slicing.slices import Slices
-from ..wording import counted
 
 _SIMPLIFY_MM = 0.02
 _SMALLEST = 0.5  # area in squares of the line width: the tips of sharp corners are no features

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import MeshError
+from ..errors import MeshError, counted
 from ..model import IntArray
-from ..wording import counted
 from .planes import Layers
 
 _MOST_STRETCHES = 4

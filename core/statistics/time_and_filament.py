@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import in_chunks
 from ..paths import Feature
-from ..printer import Four, PrinterProfile
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..settings.printer import Four, PrinterProfile
 from ..toolpaths.moves import Moves
 
 _SHORTEST_MM = 1e-9

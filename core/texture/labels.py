@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..components import components, numbered
 from ..errors import TextureError
+from ..mesh.components import components, numbered
 from ..mesh.corners import complex_uv, following_corner
 from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
 from ..parallel import CHUNK_ROWS

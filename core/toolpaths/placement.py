@@ -7,8 +7,8 @@ import shapely
 
 from ..errors import MeshError, SettingsError
 from ..model import BoolArray, FloatArray
-from ..printer import PrinterProfile
 from ..settings import PrintSettings
+from ..settings.printer import PrinterProfile
 
 _COARSE_MM = 2.0
 _FINE_MM = 0.25

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..printer import PrinterProfile
 from ..records import dataclass
+from ..settings.printer import PrinterProfile
 from .commands import Action, Command
 from .reader import Commands
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..printer import PrinterProfile
 from ..records import dataclass
+from ..settings.printer import PrinterProfile
 from . import commands
 from .commands import AXES, FILAMENT_AXES, MOVE, Command
 from .track import Kind, Track

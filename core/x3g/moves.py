@@ -7,8 +7,8 @@ import numpy as np
 from ..errors import PrintError
 from ..gcode.reader import ReadPrint
 from ..model import BoolArray, FloatArray
-from ..printer import PrinterProfile
 from ..settings import PrintSettings
+from ..settings.printer import PrinterProfile
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
 from .reader import read_x3g
 

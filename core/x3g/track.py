@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..gcode.program import Lines, Program
 from ..model import IntArray
-from ..printer import PrinterProfile
 from ..records import dataclass
+from ..settings.printer import PrinterProfile
 from . import commands
 from .commands import Action, Command
 

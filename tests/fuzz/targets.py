@@ -17,9 +17,9 @@ from dualcolor.core.calibration.table import read_table
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import DualColorPrint, generate
-from dualcolor.core.presets import PRESETS, read_preset, read_settings, settings_json
-from dualcolor.core.printer import PRINTERS, printer_profile, read_profile
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.presets import PRESETS, read_preset, read_settings, settings_json
+from dualcolor.core.settings.printer import PRINTERS, printer_profile, read_profile
 from dualcolor.core.strands.beads import strands
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.moves import moves_of_x3g

@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
-from .errors import SettingsError
-from .files import read_json
-from .records import dataclass
+from ..errors import SettingsError
+from ..files import read_json
+from ..records import dataclass
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
@@ -18,7 +18,7 @@ Four = tuple[float, float, float, float]
 # Facts are data: another machine with this firmware is one more file here.
 _HINT = "copy another file of that folder and change its numbers"
 _MOST = 1e9  # no fact is larger; NaN fails the comparison too
-PRINTERS = Path(__file__).resolve().parent.parent / "presets" / "printer"
+PRINTERS = Path(__file__).resolve().parent.parent.parent / "presets" / "printer"
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,13 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from .errors import OutputError, SettingsError
-from .files import MOST_JSON_BYTES, read_json, write_file
-from .gcode.texts import read_back
-from .records import dataclass
-from .settings import PrintSettings
+from ..errors import OutputError, SettingsError
+from ..files import MOST_JSON_BYTES, read_json, write_file
+from ..gcode.texts import read_back
+from ..records import dataclass
+from .print_settings import PrintSettings
 
-PRESETS = Path(__file__).resolve().parent.parent / "presets"
+PRESETS = Path(__file__).resolve().parent.parent.parent / "presets"
 # The groups of settings that presets of each kind hold.
 KINDS = {"printer": ("printer",), "filament": ("filament",), "quality": ("print",), "pattern": ("pattern", "texture")}
 GCODE_SUFFIXES = (".gcode", ".gco", ".g")

@@ -10,11 +10,11 @@ from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
+from ..errors import SettingsError
+from ..records import dataclass
 from .declared import checked, setting
-from .errors import SettingsError
 from .printer import PrinterProfile, printer_names, printer_profile
-from .records import dataclass
-from .setting_names import hint_for
+from .suggestions import hint_for
 
 # Groups beside `print`; they decide which settings a preset of each kind holds (`presets.KINDS`).
 _printer = partial(setting, group="printer")

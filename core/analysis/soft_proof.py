@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from .calibration.about import tone_settings
-from .calibration.calibrate import table_for
-from .calibration.gamut_mapping import image_range, printable_tones
-from .mesh.polygons import triangle_corners
-from .mesh.surface_points import points_on_faces
-from .mesh.triangles import checked
-from .model import Float32Array, FloatArray, IntArray, SurfaceModel
-from .records import dataclass
-from .settings import PrintSettings
+from ..calibration.about import tone_settings
+from ..calibration.calibrate import table_for
+from ..calibration.gamut_mapping import image_range, printable_tones
+from ..mesh.polygons import triangle_corners
+from ..mesh.surface_points import points_on_faces
+from ..mesh.triangles import checked
+from ..model import Float32Array, FloatArray, IntArray, SurfaceModel
+from ..records import dataclass
+from ..settings import PrintSettings
 
 TAPS = 3
 """Places along each side of the window; the mean over all of them is what the print shows."""

@@ -6,7 +6,7 @@ import math
 from dataclasses import Field, field
 from typing import Any
 
-from .errors import SettingsError
+from ..errors import SettingsError
 
 
 def setting(

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .model import FloatArray
-from .records import dataclass
-from .texture.decode import linear_from_srgb, srgb_from_linear
+from ..model import FloatArray
+from ..records import dataclass
+from ..texture.decode import linear_from_srgb, srgb_from_linear
 
 Picture = NDArray[np.uint8]
 """(H, W, 3), sRGB-encoded, row 0 at the top."""

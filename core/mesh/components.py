@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .model import IntArray
+from ..model import IntArray
 
 
 def components(groups: IntArray) -> IntArray:
