@@ -101,7 +101,7 @@ def tried(path: Path) -> dict[str, Any]:
     else:
         mesh, cut = sliced(path, LOWER_MM.get(path.stem, CLEAN_MM))
     if cut is not None:
-        from dualcolor.tests.winding import agreement
+        from dualcolor.tests.robustness.winding import agreement
 
         found["points"] = vars(agreement(mesh, cut, POINTS))
     return found

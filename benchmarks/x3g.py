@@ -32,8 +32,8 @@ from dualcolor.core.x3g.audit import audit  # noqa: E402
 from dualcolor.core.x3g.commands import Action, Command  # noqa: E402
 from dualcolor.core.x3g.reader import Commands, read_x3g  # noqa: E402
 from dualcolor.core.x3g.writer import x3g_bytes  # noqa: E402
+from dualcolor.tests.core.x3g.x3g_simulation import print_seconds  # noqa: E402
 from dualcolor.tests.gpx import convert, installed  # noqa: E402
-from dualcolor.tests.x3g_simulation import print_seconds  # noqa: E402
 
 DATA = ROOT.parent / "shared" / "data"
 OUT = ROOT / "docs" / "x3g.md"

@@ -11,7 +11,6 @@ sys.path.insert(0, str(ROOT))
 from launcher import load_package  # noqa: E402
 
 load_package()
-sys.path.insert(0, str(ROOT / "tests"))
 DATA = ROOT.parent / "shared" / "data"
 # The same examples everywhere and every time; `pytest --hypothesis-profile=search` looks for others.
 KIND = {
@@ -45,7 +44,7 @@ def registered():
     """The extension, in a scene of its own, which is empty and in millimetres."""
     pytest.importorskip("bpy")
     import dualcolor
-    from scene import fresh
+    from dualcolor.tests.scene import fresh
 
     fresh()
     dualcolor.register()

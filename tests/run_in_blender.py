@@ -19,7 +19,8 @@ TESTS = Path(__file__).resolve().parent
 def files_with_blender() -> list[str]:
     """The test files in which Blender's module is named, or the fixture that makes a scene."""
     named = re.compile(r"\b(bpy|scene)\b")
-    return [str(path) for path in sorted(TESTS.glob("test_*.py")) if named.search(path.read_text(encoding="utf-8"))]
+    files = (path for path in sorted(TESTS.rglob("test_*.py")) if path.parent.name != "gui")
+    return [str(path) for path in files if named.search(path.read_text(encoding="utf-8"))]
 
 
 arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []

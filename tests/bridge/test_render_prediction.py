@@ -1,0 +1,66 @@
+"""Rendering the predicted print: what the picture shows, and that the scene stays as it was."""
+
+import struct
+
+import numpy as np
+import pytest
+from dualcolor.tests.sample_print import square_print
+
+bpy = pytest.importorskip("bpy")
+
+from dualcolor.bridge.preview import build_preview  # noqa: E402
+from dualcolor.bridge.render import render_prediction  # noqa: E402
+from dualcolor.bridge.studio import camera_axes, camera_place  # noqa: E402
+from dualcolor.core.errors import OutputError, PrintError  # noqa: E402
+from dualcolor.tests.scene import datablocks  # noqa: E402
+
+
+def png_size(path):
+    return struct.unpack(">II", path.read_bytes()[16:24])
+
+
+def test_a_render_leaves_the_scene_as_it_was(scene, tmp_path):
+    collection = build_preview(square_print())
+    scene.render.engine, scene.render.filepath = "BLENDER_WORKBENCH", "//kept"
+    before, images = datablocks(), set(bpy.data.images)
+    render_prediction(collection, tmp_path / "a.png", (48, 40), samples=4)
+    assert png_size(tmp_path / "a.png") == (48, 40)
+    assert datablocks() == before and set(bpy.data.images) == images
+    assert bpy.context.scene == scene and scene.camera is None and scene.world is None
+    assert (scene.render.engine, scene.render.filepath) == ("BLENDER_WORKBENCH", "//kept")
+    assert [found.name for found in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_the_picture_shows_the_object_and_not_the_tower(scene, tmp_path):
+    collection = build_preview(square_print())
+    tones = {}
+    for whole in (False, True):
+        path = tmp_path / f"{whole}.png"
+        render_prediction(collection, path, (48, 48), samples=4, whole_plate=whole)
+        picture = bpy.data.images.load(str(path))
+        tones[whole] = np.array(picture.pixels[:]).reshape(48, 48, 4)[..., 0]
+    # Between the black and white lines of the block the picture varies; a plate with a tower shows the block smaller.
+    assert tones[False][14:34, 10:38].std() > 0.05
+    assert abs(tones[True] - tones[False]).mean() > 0.02
+
+
+def test_no_strands_and_no_folder_are_errors(scene, tmp_path):
+    empty = bpy.data.collections.new("Empty")
+    before = datablocks()
+    with pytest.raises(PrintError, match="no strands"):
+        render_prediction(empty, tmp_path / "a.png")
+    with pytest.raises(OutputError):
+        render_prediction(empty, tmp_path / "missing" / "a.png")
+    assert datablocks() == before
+
+
+@pytest.mark.parametrize("azimuth", [-0.5, 2.0])
+def test_the_camera_sees_all_points_and_no_closer_place_does(azimuth):
+    points = np.random.default_rng(3).normal(size=(200, 3)) * (5, 2, 9)
+    axes = camera_axes(azimuth, 0.3)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+    place = camera_place(points, axes, 0.2, 0.15)
+    seen = (points - place) @ axes.T
+    share = np.abs(seen[:, :2] / -seen[:, 2:]) / (0.2, 0.15)
+    assert share.max() == pytest.approx(1.0)
+    assert (seen[:, 2] < 0).all()

@@ -1,0 +1,121 @@
+"""After a stroke only the layers that it touches are made anew, and the print is what it is without the others kept."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dualcolor.core.errors import PrintError
+from dualcolor.core.job import anew, toolpaths
+from dualcolor.core.job.layers import runs, widened, without_gaps
+from dualcolor.core.job.stage_cache import StageCache
+from dualcolor.core.mesh.plate import plate
+from dualcolor.core.pipeline import generate
+from dualcolor.core.settings import PrintSettings
+from dualcolor.tests.core.job.test_stage_cache import of
+from dualcolor.tests.solids import lathe, picture
+
+ROWS = 64
+BOTTLE = [[7, 0], [8, 3], [8, 6], [5, 8], [9, 10], [9, 12]]
+PICTURE = picture(np.random.default_rng(1).random((ROWS, 16)) * 0.9 + 0.05)
+CHANGES = {
+    "offset": {},
+    "wave": {"pattern": "wave"},
+    "waves set back": {"pattern": "wave_offset", "support_enable": True, "raft_layers": 2},
+    "as in the paper": {"pattern": "wave", "sampling": "paper", "support_enable": True},
+    "two tools in a layer": {"solid_regions": "tool_change", "solid_region_tolerance": 0.4},
+    "black set back": {"solid_regions": "set_back", "solid_region_tolerance": 0.4},
+    "hidden seams": {"pattern": "wave", "hide_seams": True},
+    "no tower": {"tower_type": "none"},
+    "mostly white": {"mostly_white_below": 99, "retract_before_travel": 14.0, "skirts": 0},
+    "seams above seams": {"seam_position": "aligned"},
+    "near seams": {"seam_position": "nearest", "infill_pattern": "gyroid", "perimeters": 3},
+    "hollow, cooled": {"infill_density": 0.0, "standby_temperature_delta": 60.0, "calibration": "none"},
+}
+
+
+def bottle(image, **places):
+    return lathe(BOTTLE, 48, textures=(image,), **places)
+
+
+def touched(image, rng):
+    """The picture with a stroke or two."""
+    tone = image.tone.copy()
+    for _ in range(rng.integers(1, 3)):
+        row, column = rng.integers(0, ROWS - 4), rng.integers(0, 10)
+        tone[row : row + rng.integers(1, 5), column : column + 5] = rng.choice([0.0, 1.0, 0.3])
+    return replace(image, tone=tone)
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """How many loops and rows of moves are made anew."""
+    counts = {"loops": [], "moves": []}
+
+    def noting(name, function, length):
+        def call(*given):
+            result = function(*given)
+            counts[name].append(length(result))
+            return result
+
+        return call
+
+    monkeypatch.setattr(anew, "waved", noting("loops", anew.waved, lambda result: len(result.layer)))
+    assembled = noting("moves", toolpaths.assemble, lambda result: len(result.tool))
+    monkeypatch.setattr(toolpaths, "assemble", assembled)
+    return counts
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_strokes_print_as_without_former_layers(name, made):
+    rng, cache, settings = np.random.default_rng(len(name)), StageCache(), PrintSettings().changed(CHANGES[name])
+    image = PICTURE
+    generate(bottle(image), settings, cache=cache)
+    for _ in range(3):
+        image = touched(image, rng)
+        kept = generate(bottle(image), settings, cache=cache)
+        assert of(kept) == of(generate(bottle(image), settings))
+    # Where seams are hidden the tone moves all waves.
+    assert made["loops"] or name in ("hidden seams", "two tools in a layer")
+
+
+def test_only_a_few_layers_are_made_anew(made):
+    cache = StageCache()
+    whole = generate(bottle(PICTURE), PrintSettings(), cache=cache)
+    tone = PICTURE.tone.copy()
+    tone[20:22] = 0.5
+    result = generate(bottle(replace(PICTURE, tone=tone)), PrintSettings(), cache=cache)
+    layers = len(whole.slices.layers)
+    assert 1 <= made["loops"][0] < 0.15 * layers and len(made["loops"]) == 1
+    assert len(made["moves"]) == 2 and made["moves"][1] < 0.3 * made["moves"][0]
+    below = np.searchsorted(whole.moves.layer, 10)
+    assert np.array_equal(whole.moves.position[:below], result.moves.position[:below])
+    assert result.moves.position.flags.f_contiguous  # axis by axis, as the later stages read it
+
+
+def test_objects_that_share_a_picture(made):
+    settings, cache, tone = PrintSettings(), StageCache(), PICTURE.tone.copy()
+    tone[20:24, 3:8] = 0.2
+    for image in (PICTURE, replace(PICTURE, tone=tone)):
+        both = plate([bottle(image), bottle(image, x=25)], settings)
+        assert of(generate(both, settings, cache=cache)) == of(generate(both, settings))
+    assert made["loops"]
+
+
+def test_other_settings_and_a_run_that_fails_leave_nothing_behind(made):
+    rng, cache, image = np.random.default_rng(0), StageCache(), PICTURE
+    for change in ({}, {"infill_density": 30.0}, {"tower_x": 140.0, "tower_placement": "manual"}, {}, {"skirts": 3}):
+        image, settings = touched(image, rng), PrintSettings().changed(change)
+        if "tower_x" in change:
+            with pytest.raises(PrintError):
+                generate(bottle(image), settings, cache=cache)
+        else:
+            assert of(generate(bottle(image), settings, cache=cache)) == of(generate(bottle(image), settings))
+
+
+def test_runs_of_layers():
+    layers = np.zeros(60, dtype=bool)
+    layers[[3, 4, 7, 30]] = True
+    assert runs(layers) == [(3, 5), (7, 8), (30, 31)] and runs(without_gaps(layers)) == [(3, 8), (30, 31)]
+    assert runs(widened(layers, 2)) == [(1, 10), (28, 33)] and runs(widened(layers[:4], 2)) == [(1, 4)]
+    layers[::6] = True
+    assert runs(without_gaps(layers)) == [(0, 55)]

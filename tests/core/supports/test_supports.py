@@ -1,0 +1,218 @@
+"""Supports: where overhangs are held, what they keep away from, and how they are printed."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import shapely
+from dualcolor.core.contours.contours import contours
+from dualcolor.core.mesh.triangles import triangulate
+from dualcolor.core.model import SupportMark, SupportVolume
+from dualcolor.core.paths import Feature, Paths
+from dualcolor.core.pattern.wave import modulated
+from dualcolor.core.pipeline import generate
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.slicing.slices import slices
+from dualcolor.core.supports.lines import SUPPORT_ISLAND
+from dualcolor.core.supports.paths import supports
+from dualcolor.core.toolpaths.loops import Turn
+from dualcolor.core.toolpaths.order import ordered
+from dualcolor.tests.core.fill.fill_shapes import lines_of
+from dualcolor.tests.real_models import obj_model
+from dualcolor.tests.solids import box, joined, lathe
+
+SETTINGS = PrintSettings(pattern="wave", support_enable=True, skirt_distance=2.0)
+WIDTH = SETTINGS.extrusion_width
+# From the surface to the nearest centre line of a support: half a wave, the air, half a line.
+CLEAR = SETTINGS.wave_depth_max / 2 + SETTINGS.support_xy_distance + WIDTH / 2
+TABLE = joined(box((-3, -3, 0), (3, 3, 10)), box((-12, -8, 10), (12, 8, 14)))
+TABLE_TOP = 40  # the first layer of its plate
+
+
+def held(model, settings=SETTINGS):
+    mesh = triangulate(model, settings)
+    cut = slices(mesh, settings)
+    lines = contours(cut.outlines, cut.loop_polygon, settings)
+    count = len(lines.points)
+    depth, _ = modulated(lines, np.full(count, 0.5), np.zeros(count), settings)
+    made = supports(mesh, cut, lines, depth, settings)
+    return cut, SimpleNamespace(paths=made.paths, covered=shapely.buffer(made.areas, WIDTH / 2, quad_segs=2))
+
+
+def heights(paths):
+    return np.unique(paths.layer)
+
+
+@pytest.fixture(scope="module")
+def table():
+    return held(TABLE)
+
+
+def test_nothing_unless_wished():
+    cut, made = held(TABLE, PrintSettings())
+    assert not len(made.paths.layer)
+    assert len(made.covered) == len(cut.regions) and shapely.is_empty(made.covered).all()
+
+
+def test_underside_of_a_table_is_held_from_the_bed(table):
+    _, made = table
+    assert (made.paths.island == SUPPORT_ISLAND).all()
+    # The plate rests on layer 39; one layer is air.
+    assert heights(made.paths).tolist() == list(range(TABLE_TOP - 1))
+    leg = shapely.box(-3, -3, 3, 3)
+    underside = shapely.box(-12, -8, 12, 8).difference(leg.buffer(CLEAR, join_style="mitre"))
+    for layer in (1, 20, TABLE_TOP - 2):
+        area = made.covered[layer].buffer(-WIDTH / 2)
+        assert area.symmetric_difference(underside).area < 0.04 * underside.area
+        assert shapely.box(-12, -8, 12, 8).buffer(0.02).covers(area)
+        assert area.distance(leg) >= WIDTH / 2 + SETTINGS.support_xy_distance
+
+
+def test_lines_cover_the_area_evenly(table):
+    _, made = table
+    dense = made.paths.feature == Feature.SUPPORT_INTERFACE
+    assert heights_where(made.paths, dense) == [TABLE_TOP - 3, TABLE_TOP - 2]
+    for layer, feature, spacing in ((20, Feature.SUPPORT, 2.5), (TABLE_TOP - 2, Feature.SUPPORT_INTERFACE, 0.8)):
+        strips = shapely.union_all(lines_of(made.paths, feature, layer))
+        area = made.covered[layer].buffer(-WIDTH / 2)
+        assert shapely.length(strips) > 0.8 * area.area / spacing
+        assert area.difference(strips.buffer(spacing / 2 + 0.05)).area < 0.03 * area.area
+
+
+def heights_where(paths, chosen):
+    return np.unique(paths.layer[chosen]).tolist()
+
+
+@pytest.mark.parametrize(("angle", "expected"), [(30, False), (50, True)])
+def test_a_cone_of_45_degrees_is_held_above_its_angle_only(angle, expected):
+    funnel = lathe([[4, 0], [14, 10]])
+    _, made = held(funnel, SETTINGS.changed({"support_threshold_angle": angle}))
+    assert bool(len(made.paths.layer)) == expected
+
+
+def test_a_flat_cone_is_held_all_along():
+    """At 20° every layer juts out by 0.69 mm; its support starts clear of the wall and reaches as far as the cone."""
+    _, made = held(lathe([[4, 0], [4, 5], [4 + 4 / np.tan(np.radians(20)), 9]]))
+    reach = np.hypot(*made.paths.points[np.repeat(made.paths.layer, np.diff(made.paths.start)) == 4].T)
+    assert reach.max() == pytest.approx(4 + 4 / np.tan(np.radians(20)), abs=0.8)
+    ring = made.covered[4].buffer(-WIDTH / 2)
+    assert ring.area == pytest.approx(np.pi * (reach.max() ** 2 - (4 + CLEAR) ** 2), rel=0.06)
+
+
+def test_a_beginning_in_the_air_is_held_by_a_column_that_stands():
+    """A thin pin that hangs from a roof begins in the air: it is too small to stand on, so its column is thicker."""
+    roof = joined(box((-8, -1, 0), (-6, 1, 12)), box((-8, -3, 12), (8, 3, 14)), box((3, -0.4, 8), (3.8, 0.4, 12.5)))
+    cut, made = held(roof)
+    pin = next(k for k in range(len(cut.regions)) if cut.regions[k].covers(shapely.Point(3.4, 0)))
+    column = made.covered[pin - 2]
+    under = [part for part in shapely.get_parts(column) if part.buffer(0.5).covers(shapely.Point(3.4, 0))]
+    assert under and under[0].area > 10
+
+
+@pytest.mark.parametrize(("width", "worth_it"), [(0.8, False), (2.0, True)])
+def test_a_bump_that_holds_by_itself_gets_no_column(width, worth_it):
+    """A peg on a wall: what of it a column has room for, beyond the air beside the wall, is 2 or 5 mm²."""
+    wall, peg = box((-5, -5, 0), (5, 5, 20)), box((4, -width / 2, 10), (8.5, width / 2, 13))
+    _, made = held(joined(wall, peg))
+    assert bool(len(made.paths.layer)) == worth_it
+
+
+@pytest.mark.parametrize(("height", "thickness"), [(20, 4.0), (90, 7.5)])
+def test_a_tall_column_is_thicker(height, thickness):
+    """Below a pin of 2 mm² that hangs from a roof: a twelfth of its height, 4 mm at least; the roof gets no support."""
+    post, roof = box((-8, -3, 0), (-4, 3, height + 4)), box((-8, -3, height + 3), (8, 3, height + 5))
+    model = joined(post, roof, box((4, -0.7, height), (5.4, 0.7, height + 4)))
+    under = box((3, -2, height - 1), (7, 2, height + 1))
+    wish = SupportVolume(SupportMark.ENFORCER, under.vertices, under.polygon_start, under.corner_vertex)
+    _, made = held(replace(model, volumes=(wish,)), SETTINGS.changed({"support_auto": False}))
+    layer = round(height * 0.4 / SETTINGS.layer_height)
+    column = made.covered[layer].buffer(-WIDTH / 2)
+    assert -0.2 < 4 * column.area / column.length - thickness < 0.8
+    # Lines in a narrow one would not stand without a loop around them.
+    assert made.paths.closed[made.paths.layer == layer].any() == (thickness < 2.5 * SETTINGS.support_spacing)
+
+
+def test_wide_supports_have_no_loop(table):
+    _, made = table
+    assert not made.paths.closed.any()
+
+
+SHELF = joined(box((-10, -6, 0), (10, 6, 4)), box((-10, -6, 4), (-6, 6, 12)), box((-10, -6, 12), (16, 6, 14)))
+
+
+def test_the_object_in_the_way_ends_the_support_or_carries_it():
+    """A roof over a step, which ends at x = 7 once the whole is centred, and over the bed beside it."""
+    _, everywhere = held(SHELF)
+    _, from_bed = held(SHELF, SETTINGS.changed({"support_from": "bed"}))
+    on_step, beside = shapely.box(-7, -4, 6, 4), shapely.box(9, -4, 12, 4)
+    for layer in (20, 40):
+        assert everywhere.covered[layer].covers(on_step) and everywhere.covered[layer].covers(beside)
+        assert not from_bed.covered[layer].intersects(on_step) and from_bed.covered[layer].covers(beside)
+    # The step's top is layer 15; layer 16 is air.
+    assert not everywhere.covered[16].intersects(on_step)
+    assert everywhere.covered[17].covers(on_step)
+
+
+@pytest.mark.parametrize("distance", [0.0, 0.25, 1.0])
+def test_air_above_and_below_is_the_distance_in_layers(distance):
+    _, made = held(SHELF, SETTINGS.changed({"support_z_distance": distance}))
+    gap = round(distance / SETTINGS.layer_height)
+    point = shapely.Point(2, 0)
+    inside = [layer for layer in range(len(made.covered)) if made.covered[layer].covers(point)]
+    assert inside == list(range(16 + gap, 48 - gap))
+
+
+def test_the_first_layer_is_dense(table):
+    _, made = table
+    length = [shapely.length(lines_of(made.paths, None, layer)).sum() for layer in (0, 1)]
+    assert length[0] > 2 * length[1]
+
+
+def test_order_is_tower_then_supports_then_part():
+    square = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]])
+
+    def one(feature, island):
+        row = [np.zeros(1, dtype=np.int64), np.full(1, int(feature)), np.full(1, island)]
+        return Paths(square, np.array([0, 4]), *row, np.ones(1, dtype=bool), np.full(4, WIDTH))
+
+    table = [one(Feature.OUTER_WALL, 0), one(Feature.SUPPORT_INTERFACE, SUPPORT_ISLAND)]
+    table += [one(Feature.SUPPORT, SUPPORT_ISLAND), one(Feature.TOWER, Turn.TOWER), one(Feature.SKIRT, Turn.SKIRT)]
+    order = ordered(Paths.joined(table), PrintSettings()).feature.tolist()
+    wanted = [Feature.SKIRT, Feature.TOWER, Feature.SUPPORT, Feature.SUPPORT_INTERFACE, Feature.OUTER_WALL]
+    assert order == [int(feature) for feature in wanted]
+
+
+def test_same_input_same_lines(table):
+    _, again = held(TABLE)
+    assert np.array_equal(again.paths.points, table[1].paths.points)
+    assert np.array_equal(again.paths.start, table[1].paths.start)
+
+
+def layer_lines(moves, layer, features):
+    """The extruding moves of some features on a layer, as lines, and the width of each."""
+    rows = np.flatnonzero(moves.extrudes & (moves.layer == layer) & np.isin(moves.feature, features))
+    ends = np.stack([moves.position[rows - 1, :2], moves.position[rows, :2]], axis=1)
+    return shapely.linestrings(ends), moves.width[rows]
+
+
+@pytest.mark.parametrize(
+    ("name", "height", "pattern"),
+    [("spot/spot.obj", 36, "wave"), ("spot/spot.obj", 36, "offset"), ("nc/gargoyle.obj", 40, "wave_offset")],
+)
+def test_no_support_crosses_the_wave(data, name, height, pattern):
+    """Between the strands of supports and those of the waved walls is all the air that was asked for."""
+    layers = {"layer_height": 0.4, "first_layer_height": 0.4, "support_z_distance": 0.4}
+    settings = SETTINGS.changed({"pattern": pattern, "first_layer_extrusion_width": 0.6, **layers})
+    result = generate(obj_model(data / "meshes" / name, height), settings)
+    assert result.report["tool_changes"] == result.report["layers"] - 1
+    moves, seen = result.moves, 0
+    assert (moves.speed[moves.feature == Feature.SUPPORT] <= settings.support_speed).all()
+    for layer in range(0, result.report["layers"], 4):
+        held, width = layer_lines(moves, layer, [Feature.SUPPORT, Feature.SUPPORT_INTERFACE])
+        walls, wall_width = layer_lines(moves, layer, [Feature.OUTER_WALL])
+        support, wall = shapely.STRtree(walls).query(held, "dwithin", WIDTH + settings.support_xy_distance)
+        air = shapely.distance(held[support], walls[wall]) - (width[support] + wall_width[wall]) / 2
+        assert (air > settings.support_xy_distance - 1e-6).all()
+        seen += len(held) > 10
+    assert seen > 8
