@@ -7,7 +7,9 @@ from typing import Any
 
 import bpy
 
-from .bridge import former_looks, properties, results, scrubber, soft_proof
+from .bridge import properties, results
+from .bridge.proof import soft_proof
+from .bridge.strands import former_looks, scrubber
 from .operators import add
 from .operators.analyse import OPERATORS as ANALYSE_OPERATORS
 from .operators.calibrate import OPERATORS as CALIBRATE_OPERATORS

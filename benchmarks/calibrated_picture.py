@@ -21,8 +21,8 @@ load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from dualcolor.benchmarks.tables import replace_table  # noqa: E402
-from dualcolor.bridge.image_input import image_tone, load_image  # noqa: E402
-from dualcolor.bridge.picture_print import picture_print  # noqa: E402
+from dualcolor.bridge.input.image_input import image_tone, load_image  # noqa: E402
+from dualcolor.bridge.pictures.picture_print import picture_print  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.calibration.calibrate import table_for  # noqa: E402
 from dualcolor.core.calibration.gamut_mapping import image_range, targets  # noqa: E402

@@ -23,9 +23,9 @@ from launcher import load_package  # noqa: E402
 load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
-from dualcolor.bridge.gonioreflectometer import bare  # noqa: E402
-from dualcolor.bridge.instrument import Face, mounted  # noqa: E402
-from dualcolor.bridge.plastics import diffuse_material  # noqa: E402
+from dualcolor.bridge.measuring.gonioreflectometer import bare  # noqa: E402
+from dualcolor.bridge.measuring.instrument import Face, mounted  # noqa: E402
+from dualcolor.bridge.pictures.plastics import diffuse_material  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.calibration.calibrate import shipped_table  # noqa: E402
 from dualcolor.core.calibration.marks import find_marks  # noqa: E402

@@ -21,8 +21,8 @@ load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from dualcolor.benchmarks.tables import replace_table  # noqa: E402
-from dualcolor.bridge import gonioreflectometer  # noqa: E402
-from dualcolor.bridge.gonioreflectometer import WINDOW_WAVES, read_tile  # noqa: E402
+from dualcolor.bridge.measuring import gonioreflectometer  # noqa: E402
+from dualcolor.bridge.measuring.gonioreflectometer import WINDOW_WAVES, read_tile  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.commands.measure import slants  # noqa: E402
 from dualcolor.core.calibration.calibrate import table_for  # noqa: E402

@@ -21,8 +21,8 @@ load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from dualcolor.benchmarks.tables import replace_table  # noqa: E402
-from dualcolor.bridge.gonioreflectometer import bare  # noqa: E402
-from dualcolor.bridge.instrument import Face, mounted  # noqa: E402
+from dualcolor.bridge.measuring.gonioreflectometer import bare  # noqa: E402
+from dualcolor.bridge.measuring.instrument import Face, mounted  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.calibration.tile import step_tile  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402

@@ -53,9 +53,9 @@ def main(path: Path) -> dict[str, float]:
     load_package()
     import bpy
     import dualcolor
-    from dualcolor.bridge.preview import build_preview
+    from dualcolor.bridge.pictures.render import render_prediction
     from dualcolor.bridge.quiet import quiet_stdout
-    from dualcolor.bridge.render import render_prediction
+    from dualcolor.bridge.strands.preview import build_preview
 
     figures: dict[str, float] = {}
     result = timed("job", lambda: print_of(path), figures)

@@ -136,8 +136,8 @@ def sliced(path: Path, height_mm: float) -> tuple[Any, Any]:
 def model_of(path: Path, height_mm: float | None) -> Any:
     """A file as the command line reads it."""
     import bpy
-    from dualcolor.bridge.mesh_input import surface_model
-    from dualcolor.bridge.model_file import open_model
+    from dualcolor.bridge.input.mesh_input import surface_model
+    from dualcolor.bridge.input.model_file import open_model
     from dualcolor.bridge.quiet import quiet_stdout
     from dualcolor.core.settings import PrintSettings
 

@@ -21,7 +21,7 @@ from launcher import load_package  # noqa: E402
 load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
-from dualcolor.bridge.instrument import Face, photograph  # noqa: E402
+from dualcolor.bridge.measuring.instrument import Face, photograph  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.analysis.study import Analysis, analyse  # noqa: E402
 from dualcolor.core.analysis.surface_curves import surface_points  # noqa: E402

@@ -20,8 +20,8 @@ from launcher import load_package  # noqa: E402
 load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
-from dualcolor.bridge.gonioreflectometer import bare  # noqa: E402
-from dualcolor.bridge.instrument import Face, mounted  # noqa: E402
+from dualcolor.bridge.measuring.gonioreflectometer import bare  # noqa: E402
+from dualcolor.bridge.measuring.instrument import Face, mounted  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.core.calibration.tile import leaning_slab  # noqa: E402
 from dualcolor.core.model import ToneImage  # noqa: E402

@@ -120,8 +120,8 @@ def height_of(path: Path) -> float | None:
 def model_of(path: Path, height_mm: float | None) -> SurfaceModel:
     """A mesh with its own picture, as the command line reads it."""
     import bpy
-    from dualcolor.bridge.mesh_input import surface_model
-    from dualcolor.bridge.model_file import open_model
+    from dualcolor.bridge.input.mesh_input import surface_model
+    from dualcolor.bridge.input.model_file import open_model
     from dualcolor.bridge.quiet import quiet_stdout
 
     with quiet_stdout():

@@ -12,10 +12,10 @@ import bpy
 
 from ..core.errors import SettingsError
 from ..core.settings import PrintSettings
+from .input.seam_visibility import visibility_names
 from .kept import kept_json
-from .preview import is_print_shown, show_print
-from .seam_visibility import visibility_names
-from .soft_proof import follow_paint, follow_settings
+from .proof.soft_proof import follow_paint, follow_settings
+from .strands.preview import is_print_shown, show_print
 from .units import LENGTH_DIGITS
 
 _REPORTED = ("bounds_mm", "layers", "time_s", "filament", "settings", "warnings")

@@ -125,8 +125,8 @@ def summary(found: Analysis) -> list[str]:
 def _analysed(args: argparse.Namespace, settings: PrintSettings, progress: Progress) -> Analysis:
     import bpy
 
-    from ..bridge.image_input import load_image
-    from ..bridge.plate import plate_model
+    from ..bridge.input.image_input import load_image
+    from ..bridge.input.plate import plate_model
     from ..core.analysis.study import analyse
 
     obj = _opened(args)
@@ -136,9 +136,9 @@ def _analysed(args: argparse.Namespace, settings: PrintSettings, progress: Progr
 
 
 def _opened(args: argparse.Namespace) -> bpy.types.Object:
-    from ..bridge.model_file import open_model
-    from ..bridge.sample import make_sample
-    from ..bridge.unwrap import unwrap
+    from ..bridge.input.model_file import open_model
+    from ..bridge.objects.sample import make_sample
+    from ..bridge.paint.unwrap import unwrap
 
     if args.model is None:
         return make_sample()

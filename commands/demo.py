@@ -42,8 +42,8 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         PrintError: a setting does not fit, or a file cannot be written.
     """
     settings = chosen_settings(args)
+    from ..bridge.objects.sample import make_sample
     from ..bridge.quiet import quiet_stdout
-    from ..bridge.sample import make_sample
 
     with quiet_stdout(), Progress() as progress:
         progress.show(0.0, "making the sample")

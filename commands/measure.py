@@ -45,7 +45,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     """
     import bpy
 
-    from ..bridge.gonioreflectometer import about, measure
+    from ..bridge.measuring.gonioreflectometer import about, measure
     from ..bridge.quiet import quiet_stdout
 
     settings = chosen_settings(args)

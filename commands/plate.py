@@ -97,8 +97,8 @@ def _plates(
     """One picture in all patterns: its sheet is written."""
     from PIL import Image
 
-    from ..bridge.image_input import picture_tone
-    from ..bridge.picture_print import picture_print
+    from ..bridge.input.image_input import picture_tone
+    from ..bridge.pictures.picture_print import picture_print
     from ..bridge.quiet import quiet_stdout
     from ..core.exports import export_gcode
     from ..core.pictures.report import sheet

@@ -55,11 +55,11 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     settings = chosen_settings(args)
     if args.arrange:
         settings = settings.changed({"arrange": True})
-    from ..bridge.image_input import load_image
-    from ..bridge.marker_file import open_marker
-    from ..bridge.model_file import open_models
+    from ..bridge.input.image_input import load_image
+    from ..bridge.input.marker_file import open_marker
+    from ..bridge.input.model_file import open_models
+    from ..bridge.paint.unwrap import unwrap
     from ..bridge.quiet import quiet_stdout
-    from ..bridge.unwrap import unwrap
 
     with quiet_stdout():
         obj, *others = objects = open_models(args.model, args.object, args.up, args.height_mm)

@@ -79,9 +79,9 @@ def produce(
     """
     import bpy
 
-    from ..bridge.plate import plate_model
-    from ..bridge.preview import build_preview
+    from ..bridge.input.plate import plate_model
     from ..bridge.quiet import quiet_stdout
+    from ..bridge.strands.preview import build_preview
     from ..core import pipeline
 
     objects = [obj, *others]
@@ -112,8 +112,8 @@ def save_strands(
 ) -> None:
     """Save the scene with its strands, their mesh and their pictures, as far as asked for."""
     from ..bridge.blend_file import save_blend
-    from ..bridge.rods import rods_of
-    from ..bridge.views import picture_steps
+    from ..bridge.pictures.views import picture_steps
+    from ..bridge.strands.rods import rods_of
     from ..core.strands.mesh_files import write_mesh
 
     if "mesh" in paths:

@@ -42,9 +42,9 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     """
     import bpy
 
-    from ..bridge.preview import build_preview
-    from ..bridge.print_file import read_print
     from ..bridge.quiet import quiet_stdout
+    from ..bridge.strands.preview import build_preview
+    from ..bridge.strands.print_file import read_print
 
     with quiet_stdout(), Progress() as progress:
         bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -36,7 +36,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     settings = wedge_settings(chosen_settings(args))
     import bpy
 
-    from ..bridge.calibration_tile import tile_object
+    from ..bridge.objects.calibration_tile import tile_object
     from ..bridge.quiet import quiet_stdout
     from ..bridge.units import use_millimetres
 

@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 from bpy_extras.io_utils import ImportHelper, poll_file_object_drop
 
-from ..bridge.image_input import picture_tone
-from ..bridge.picture_objects import add_picture_object
+from ..bridge.input.image_input import picture_tone
+from ..bridge.objects.picture_objects import add_picture_object
 from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
 from ..core.pictures.shapes import PictureShape, fitted, picture_plate, picture_tube

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.picture_objects import add_picture_object
+from ..bridge.objects.picture_objects import add_picture_object
 from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
 from ..core.pictures.figure_cylinders import FIGURES, figure_cylinder

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.orientations import keep_orientations
-from ..bridge.overlays import overlays_of, remove_analysis, show_analysis
-from ..bridge.preview import source_of
+from ..bridge.analysis.orientations import keep_orientations
+from ..bridge.analysis.overlays import overlays_of, remove_analysis, show_analysis
+from ..bridge.strands.preview import source_of
 from ..core.analysis.study import analysis_steps
 from .generate import active_model
 from .job import JobOperator, Steps

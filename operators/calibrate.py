@@ -8,11 +8,11 @@ import bpy
 import numpy as np
 from bpy_extras.io_utils import ImportHelper
 
-from ..bridge.calibration_tile import add_calibration_tile, is_calibration_tile
-from ..bridge.clicks import draw_clicks
-from ..bridge.mesh_input import WITH_SURFACE
-from ..bridge.preview import source_of
+from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.objects.calibration_tile import add_calibration_tile, is_calibration_tile
+from ..bridge.paint.clicks import draw_clicks
 from ..bridge.properties import to_settings
+from ..bridge.strands.preview import source_of
 from ..core.calibration.read_photo import table_of_photo
 from ..core.calibration.table import write_table
 from ..core.errors import PrintError

@@ -6,7 +6,7 @@ from collections.abc import Generator
 
 import bpy
 
-from ..bridge.model_check import TITLES, Findings, check_steps, repair, select
+from ..bridge.analysis.model_check import TITLES, Findings, check_steps, repair, select
 from ..bridge.properties import set_findings
 from ..bridge.units import LENGTH_DIGITS
 from ..core.progress import Progress, translated

@@ -7,8 +7,8 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from ..bridge.preview import source_of
 from ..bridge.properties import set_report
+from ..bridge.strands.preview import source_of
 from ..core.exports import export_gcode, export_x3g
 from .generate import printed, with_warnings
 from .job import JobOperator, Steps

@@ -6,10 +6,10 @@ from collections.abc import Generator
 
 import bpy
 
-from ..bridge.plate import check_present, objects_to_print, plate_model
-from ..bridge.preview import build_preview, source_of
+from ..bridge.input.plate import check_present, objects_to_print, plate_model
 from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept, stages_of
+from ..bridge.strands.preview import build_preview, source_of
 from ..core.errors import counted
 from ..core.model import SurfaceModel
 from ..core.pipeline import DualColorPrint, steps

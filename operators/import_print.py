@@ -7,8 +7,8 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ImportHelper
 
-from ..bridge.preview import build_preview
-from ..bridge.print_file import read_print
+from ..bridge.strands.preview import build_preview
+from ..bridge.strands.print_file import read_print
 from ..core.errors import PrintError
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.orientations import keep_orientations, orientations_of, turn
-from ..bridge.overlays import remove_analysis
-from ..bridge.preview import source_of
+from ..bridge.analysis.orientations import keep_orientations, orientations_of, turn
+from ..bridge.analysis.overlays import remove_analysis
+from ..bridge.strands.preview import source_of
 from ..core.analysis.study import orientations
 from .generate import active_model
 from .job import JobOperator, Steps

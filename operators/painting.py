@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.ambient_occlusion import DISTANCE_MM, SAMPLES, darkened, occlusion_steps
-from ..bridge.image_input import image_size
-from ..bridge.painting import (
+from ..bridge.input.image_input import image_size
+from ..bridge.paint.ambient_occlusion import DISTANCE_MM, SAMPLES, darkened, occlusion_steps
+from ..bridge.paint.painting import (
     exchange_picture,
     give_picture,
     grey_picture,

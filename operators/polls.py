@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.mesh_input import WITH_SURFACE
-from ..bridge.preview import source_of
+from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.strands.preview import source_of
 
 MAKE_LOCAL = "Make the object and its data local first (Object > Relations)"
 

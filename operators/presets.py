@@ -9,8 +9,8 @@ import bpy
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..bridge import preset_folder
-from ..bridge.preview import source_of
 from ..bridge.properties import from_settings, to_settings, values_of
+from ..bridge.strands.preview import source_of
 from ..core.errors import PrintError
 from ..core.files import write_file
 from ..core.settings import PrintSettings

@@ -7,12 +7,12 @@ from pathlib import Path
 import bpy
 from bpy_extras.io_utils import ExportHelper
 
-from ..bridge.mesh_input import WITH_SURFACE, surface_model
-from ..bridge.preview import preview_of, source_of
+from ..bridge.input.mesh_input import WITH_SURFACE, surface_model
+from ..bridge.pictures.render import RenderStoppedError
+from ..bridge.pictures.views import picture_steps
 from ..bridge.properties import to_settings
-from ..bridge.render import RenderStoppedError
-from ..bridge.rods import rods_of
-from ..bridge.views import picture_steps
+from ..bridge.strands.preview import preview_of, source_of
+from ..bridge.strands.rods import rods_of
 from ..core.errors import PrintError
 from ..core.files import OutputFiles
 from ..core.pictures.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files

@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 
 from ..bridge.bed import bounds_mm, scale_to_height
-from ..bridge.preview import source_of
 from ..bridge.properties import repaint_proof
+from ..bridge.strands.preview import source_of
 from ..bridge.units import LENGTH_DIGITS, mm_per_unit, use_millimetres
 from .polls import MAKE_LOCAL, has_printable
 from .viewing import frame_selected

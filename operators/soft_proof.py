@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.preview import show_print
-from ..bridge.proof_views import show_as_before, show_materials
+from ..bridge.proof.proof_views import show_as_before, show_materials
+from ..bridge.proof.soft_proof import hide_proof, is_proofed, proof_notes, show_proof
 from ..bridge.properties import to_settings
-from ..bridge.soft_proof import hide_proof, is_proofed, proof_notes, show_proof
+from ..bridge.strands.preview import show_print
 from ..core.errors import PrintError
 from .polls import has_own_mesh
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.support_marks import mark_selected_faces, select_marked_faces
+from ..bridge.input.support_marks import mark_selected_faces, select_marked_faces
 from ..core.model import SupportMark
 
 _MARKS = [

@@ -8,9 +8,9 @@ from functools import cache
 
 import bpy
 
+from ..bridge.paint.unwrap import smart_project, unwrap_steps
 from ..bridge.properties import repaint_proof
 from ..bridge.units import LENGTH_DIGITS
-from ..bridge.unwrap import smart_project, unwrap_steps
 from ..core.errors import PrintError
 from ..core.mesh.unwrapping import ChartOptions, PackOptions
 from .job import JobOperator, Steps

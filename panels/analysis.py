@@ -7,9 +7,9 @@ from typing import Any
 
 import bpy
 
-from ..bridge.orientations import orientations_of
-from ..bridge.overlays import COLOUR_KEY, analysis_of, overlays_of
-from ..bridge.preview import source_of
+from ..bridge.analysis.orientations import orientations_of
+from ..bridge.analysis.overlays import COLOUR_KEY, analysis_of, overlays_of
+from ..bridge.strands.preview import source_of
 from ..operators.analyse import DUALCOLOR_OT_analyse, DUALCOLOR_OT_remove_analysis
 from ..operators.orientation import DUALCOLOR_OT_apply_orientation, DUALCOLOR_OT_suggest_orientation
 from .rows import draw_figures, draw_outdated, draw_progress, draw_sentence

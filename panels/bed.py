@@ -8,8 +8,8 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ..bridge.bed import bed_origin_mm, bounds_mm, reach_lines, volume_lines
-from ..bridge.plate import objects_to_print
-from ..bridge.preview import source_of
+from ..bridge.input.plate import objects_to_print
+from ..bridge.strands.preview import source_of
 from ..bridge.units import mm_per_unit
 from ..core.model import FloatArray
 from ..core.settings.printer import printer_profile

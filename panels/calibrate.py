@@ -8,9 +8,9 @@ from pathlib import Path
 
 import bpy
 
-from ..bridge.calibration_tile import is_calibration_tile
-from ..bridge.preview import source_of
+from ..bridge.objects.calibration_tile import is_calibration_tile
 from ..bridge.properties import to_settings
+from ..bridge.strands.preview import source_of
 from ..core.calibration.calibrate import table_for
 from ..core.errors import PrintError
 from ..core.settings import PrintSettings

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.painting import picture_of
-from ..bridge.preview import source_of
-from ..bridge.proof_views import WITHOUT_MATERIALS
-from ..bridge.soft_proof import is_proofed, proof_notes
+from ..bridge.paint.painting import picture_of
+from ..bridge.proof.proof_views import WITHOUT_MATERIALS
+from ..bridge.proof.soft_proof import is_proofed, proof_notes
+from ..bridge.strands.preview import source_of
 from ..operators.painting import (
     DUALCOLOR_OT_bake_occlusion,
     DUALCOLOR_OT_grey_from_color,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.mesh_input import WITH_SURFACE
-from ..bridge.preview import preview_of, source_of
+from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.strands.preview import preview_of, source_of
 from ..operators.render import DUALCOLOR_OT_export_strands, DUALCOLOR_OT_render_prediction
 from .rows import draw_progress
 from .tab import Tab, order_of

@@ -5,11 +5,11 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from ..bridge.analysis.model_check import TITLES
 from ..bridge.bed import bounds_mm, what_does_not_fit
-from ..bridge.model_check import TITLES
-from ..bridge.plate import objects_to_print
-from ..bridge.preview import source_of
+from ..bridge.input.plate import objects_to_print
 from ..bridge.properties import findings_of
+from ..bridge.strands.preview import source_of
 from ..core.settings.printer import printer_profile
 from ..operators.check_model import DUALCOLOR_OT_check_model, DUALCOLOR_OT_repair_model, DUALCOLOR_OT_select_finding
 from ..operators.size import DUALCOLOR_OT_scale_to_height

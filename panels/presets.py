@@ -7,8 +7,8 @@ from typing import Any
 import bpy
 
 from ..bridge import preset_folder
-from ..bridge.preview import source_of
 from ..bridge.properties import values_of
+from ..bridge.strands.preview import source_of
 from ..core.errors import SettingsError
 from ..core.settings.presets import KINDS, PRESETS, Preset, agrees, preset_files, read_preset
 from ..operators.presets import (

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.preview import source_of
 from ..bridge.properties import report_of
+from ..bridge.strands.preview import source_of
 from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from ..operators.generate import DUALCOLOR_OT_generate
 from .results import figures

@@ -8,9 +8,9 @@ import bpy.utils.previews
 import gpu
 from gpu_extras.batch import batch_for_shader
 
-from ..bridge.preview import is_print_shown, preview_of, source_of
-from ..bridge.scrubber import KINDS, last_layer, moves_shown
-from ..bridge.strand_colours import LEGENDS, Colour, legend_of
+from ..bridge.strands.preview import is_print_shown, preview_of, source_of
+from ..bridge.strands.scrubber import KINDS, last_layer, moves_shown
+from ..bridge.strands.strand_colors import LEGENDS, Colour, legend_of
 from ..core.pictures.viewing import encoded_tone
 from .tab import Tab
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import bpy
 
-from ..bridge.mesh_input import WITH_SURFACE
-from ..bridge.plate import objects_to_print
-from ..bridge.preview import source_of
+from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.input.plate import objects_to_print
+from ..bridge.strands.preview import source_of
 from .analysis import PANELS as ANALYSIS_PANELS
 from .calibrate import DUALCOLOR_PT_calibrate
 from .paint import DUALCOLOR_PT_paint

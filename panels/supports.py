@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.support_marks import COLLECTIONS
+from ..bridge.input.support_marks import COLLECTIONS
 from ..core.model import SupportMark
 from ..operators.supports import DUALCOLOR_OT_mark_support, DUALCOLOR_OT_select_support
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.mesh_input import WITH_SURFACE
-from ..bridge.preview import source_of
+from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.strands.preview import source_of
 
 STAGES = ("main", "prepare", "paint", "pattern", "print", "predict", "calibrate")
 """The tab's panels from the top, as the work goes; what belongs to one of them folds away inside it."""

@@ -4,7 +4,7 @@ import itertools
 
 import bpy
 import numpy as np
-from dualcolor.bridge.mesh_input import surface_model
+from dualcolor.bridge.input.mesh_input import surface_model
 from dualcolor.bridge.units import use_millimetres
 from dualcolor.core.settings import PrintSettings
 

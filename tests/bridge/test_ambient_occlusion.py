@@ -5,7 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.ambient_occlusion import darkened, occlusion, occlusion_steps  # noqa: E402
+from dualcolor.bridge.paint.ambient_occlusion import darkened, occlusion, occlusion_steps  # noqa: E402
 from dualcolor.core.errors import MeshError, TextureError  # noqa: E402
 from dualcolor.core.progress import drained  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb  # noqa: E402

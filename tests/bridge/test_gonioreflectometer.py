@@ -5,8 +5,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge import gonioreflectometer  # noqa: E402
-from dualcolor.bridge.gonioreflectometer import measure, read_tile  # noqa: E402
+from dualcolor.bridge.measuring import gonioreflectometer  # noqa: E402
+from dualcolor.bridge.measuring.gonioreflectometer import measure, read_tile  # noqa: E402
 from dualcolor.cli import main  # noqa: E402
 from dualcolor.core.calibration.calibrate import shipped_table  # noqa: E402
 from dualcolor.core.calibration.gamut_mapping import WHOLE_RANGE, targets  # noqa: E402
@@ -70,7 +70,9 @@ def test_patches_agree_with_the_gradient_of_the_table(quick):
 
 def test_gamut_collapses_to_the_sides_and_keeps_its_bearings(quick, monkeypatch):
     """Nearly edge on from above or below a print is all one colour or the other; it is the widest near face on."""
-    monkeypatch.setattr("dualcolor.bridge.gonioreflectometer.angles_of", lambda block: [(0.0, 0.0), (75.0, 0.0)])
+    monkeypatch.setattr(
+        "dualcolor.bridge.measuring.gonioreflectometer.angles_of", lambda block: [(0.0, 0.0), (75.0, 0.0)]
+    )
     sweep = measure(0.0, "phi", PrintSettings(pattern="wave"))
     assert sweep.angle_deg.tolist() == [0, 75]
     span = sweep.reflectance[-1] - sweep.reflectance[0]

@@ -5,8 +5,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.ambient_occlusion import darkened  # noqa: E402
-from dualcolor.bridge.image_input import image_tone  # noqa: E402
+from dualcolor.bridge.input.image_input import image_tone  # noqa: E402
+from dualcolor.bridge.paint.ambient_occlusion import darkened  # noqa: E402
 from dualcolor.core.errors import TextureError  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb  # noqa: E402
 from dualcolor.tests.scene import add_box, add_uvs, flat_image  # noqa: E402

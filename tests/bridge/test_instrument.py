@@ -7,8 +7,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.instrument import Face, mounted, photograph, view_axes  # noqa: E402
-from dualcolor.bridge.plastics import diffuse_material  # noqa: E402
+from dualcolor.bridge.measuring.instrument import Face, mounted, photograph, view_axes  # noqa: E402
+from dualcolor.bridge.pictures.plastics import diffuse_material  # noqa: E402
 from dualcolor.core.errors import PrintError  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402

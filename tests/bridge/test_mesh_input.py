@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from dualcolor.bridge.plate import plate_model
+from dualcolor.bridge.input.plate import plate_model
 from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pipeline import steps

@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 import bmesh  # noqa: E402
-from dualcolor.bridge.model_check import Findings, check_steps  # noqa: E402
+from dualcolor.bridge.analysis.model_check import Findings, check_steps  # noqa: E402
 from dualcolor.bridge.properties import findings_of  # noqa: E402
 from dualcolor.core.progress import drained  # noqa: E402
 from dualcolor.tests.scene import CUBE, CUBE_FACES, add_box, add_mesh  # noqa: E402

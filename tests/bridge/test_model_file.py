@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 import pytest
 import shapely
-from dualcolor.bridge.model_file import open_model
-from dualcolor.bridge.unwrap import unwrap
+from dualcolor.bridge.input.model_file import open_model
+from dualcolor.bridge.paint.unwrap import unwrap
 from dualcolor.core.errors import MeshError, PrintError
 from dualcolor.core.texture.decode import linear_from_srgb
 from dualcolor.tests.scene import add_box, add_material, add_mesh, add_uvs, extent, flat_image, fresh, model_of, volume

@@ -7,7 +7,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.painting import picture_of, picture_size  # noqa: E402
+from dualcolor.bridge.paint.painting import picture_of, picture_size  # noqa: E402
 from dualcolor.core.errors import TextureError  # noqa: E402
 from dualcolor.core.settings.printer import printer_profile  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb, srgb_from_linear  # noqa: E402
@@ -199,7 +199,7 @@ def test_a_mesh_with_as_many_uv_maps_as_there_may_be_is_left_as_it_is(registered
 
 def test_unwrapping_dropped_half_way_leaves_the_mesh_alone(registered):
     pytest.importorskip("xatlas")
-    from dualcolor.bridge.unwrap import unwrap_steps
+    from dualcolor.bridge.paint.unwrap import unwrap_steps
     from dualcolor.core.mesh.unwrapping import ChartOptions, PackOptions
 
     box = add_box()

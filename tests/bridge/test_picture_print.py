@@ -10,7 +10,7 @@ from PIL import Image
 
 pytest.importorskip("bpy")
 
-from dualcolor.bridge.picture_print import picture_print
+from dualcolor.bridge.pictures.picture_print import picture_print
 from dualcolor.cli import main
 from dualcolor.core.model import ToneImage
 from dualcolor.core.pictures.match import picture_match

@@ -6,8 +6,8 @@ from dualcolor.tests.sample_print import LAYERS, SIDE, STEP, square_print
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.preview import build_preview, is_print_shown, preview_of, show_print, source_of  # noqa: E402
-from dualcolor.bridge.strand_curves import read_strands  # noqa: E402
+from dualcolor.bridge.strands.preview import build_preview, is_print_shown, preview_of, show_print, source_of  # noqa: E402
+from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
 from dualcolor.bridge.units import mm_per_unit, use_millimetres  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.strands.beads import strands  # noqa: E402

@@ -7,9 +7,9 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor import cli  # noqa: E402
-from dualcolor.bridge.preview import build_preview, preview_of  # noqa: E402
-from dualcolor.bridge.print_file import read_print, show_file  # noqa: E402
-from dualcolor.bridge.strand_curves import read_strands  # noqa: E402
+from dualcolor.bridge.strands.preview import build_preview, preview_of  # noqa: E402
+from dualcolor.bridge.strands.print_file import read_print, show_file  # noqa: E402
+from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.core.errors import PrintError  # noqa: E402
 from dualcolor.core.gcode.writer import gcode_text  # noqa: E402

@@ -7,13 +7,13 @@ import dualcolor
 import numpy as np
 import pytest
 from dualcolor import cli
-from dualcolor.bridge.marker_file import open_marker
-from dualcolor.bridge.mesh_input import surface_model
-from dualcolor.bridge.model_file import open_model, open_models
-from dualcolor.bridge.plate import objects_to_print, plate_model
-from dualcolor.bridge.preview import companions_of, preview_of
+from dualcolor.bridge.input.marker_file import open_marker
+from dualcolor.bridge.input.mesh_input import surface_model
+from dualcolor.bridge.input.model_file import open_model, open_models
+from dualcolor.bridge.input.plate import objects_to_print, plate_model
 from dualcolor.bridge.properties import report_of
-from dualcolor.bridge.strand_curves import read_strands
+from dualcolor.bridge.strands.preview import companions_of, preview_of
+from dualcolor.bridge.strands.strand_curves import read_strands
 from dualcolor.core.errors import PrintError
 from dualcolor.core.model import SupportMark
 from dualcolor.core.paths import Feature

@@ -8,9 +8,9 @@ from dualcolor.tests.sample_print import square_print
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.preview import build_preview  # noqa: E402
-from dualcolor.bridge.render import render_prediction  # noqa: E402
-from dualcolor.bridge.studio import camera_axes, camera_place  # noqa: E402
+from dualcolor.bridge.pictures.render import render_prediction  # noqa: E402
+from dualcolor.bridge.pictures.studio import camera_axes, camera_place  # noqa: E402
+from dualcolor.bridge.strands.preview import build_preview  # noqa: E402
 from dualcolor.core.errors import OutputError, PrintError  # noqa: E402
 from dualcolor.tests.scene import datablocks  # noqa: E402
 

@@ -4,7 +4,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from dualcolor.bridge import sample
+from dualcolor.bridge.objects import sample
 from dualcolor.tests.scene import extent, model_of
 
 

@@ -7,10 +7,10 @@ from dualcolor.tests.sample_print import LAYERS, square_print
 bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
-from dualcolor.bridge.preview import build_preview  # noqa: E402
-from dualcolor.bridge.scrubber import KINDS, last_layer, moves_shown, strands_in  # noqa: E402
-from dualcolor.bridge.strand_colours import LEGENDS, legend_of  # noqa: E402
-from dualcolor.bridge.strand_curves import read_strands  # noqa: E402
+from dualcolor.bridge.strands.preview import build_preview  # noqa: E402
+from dualcolor.bridge.strands.scrubber import KINDS, last_layer, moves_shown, strands_in  # noqa: E402
+from dualcolor.bridge.strands.strand_colors import LEGENDS, legend_of  # noqa: E402
+from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 
 

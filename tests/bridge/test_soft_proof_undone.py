@@ -6,8 +6,8 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
+from dualcolor.bridge.proof.soft_proof import is_proofed, proof_notes  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
-from dualcolor.bridge.soft_proof import is_proofed, proof_notes  # noqa: E402
 from dualcolor.core.analysis.soft_proof import proof_table, tone_range  # noqa: E402
 from dualcolor.tests.scene import add_box, add_material, add_uvs, flat_image, model_of  # noqa: E402
 

@@ -9,13 +9,13 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor import cli  # noqa: E402
-from dualcolor.bridge.mesh_input import surface_model  # noqa: E402
-from dualcolor.bridge.painted import painted_model  # noqa: E402
-from dualcolor.bridge.preview import build_preview  # noqa: E402
-from dualcolor.bridge.rods import rods_of  # noqa: E402
-from dualcolor.bridge.studio import swept  # noqa: E402
+from dualcolor.bridge.input.mesh_input import surface_model  # noqa: E402
+from dualcolor.bridge.pictures.painted import painted_model  # noqa: E402
+from dualcolor.bridge.pictures.studio import swept  # noqa: E402
+from dualcolor.bridge.pictures.views import TURNTABLE_FRAMES, picture_steps  # noqa: E402
+from dualcolor.bridge.strands.preview import build_preview  # noqa: E402
+from dualcolor.bridge.strands.rods import rods_of  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
-from dualcolor.bridge.views import TURNTABLE_FRAMES, picture_steps  # noqa: E402
 from dualcolor.core.errors import OutputError  # noqa: E402
 from dualcolor.core.pictures.viewing import PictureOptions  # noqa: E402
 from dualcolor.core.progress import drained  # noqa: E402
@@ -85,7 +85,7 @@ def test_a_distance_takes_detail_away(cube, tmp_path):
 
 
 def test_a_turntable_is_an_animation(cube, tmp_path, monkeypatch):
-    monkeypatch.setattr("dualcolor.bridge.views.TURNTABLE_FRAMES", 4)
+    monkeypatch.setattr("dualcolor.bridge.pictures.views.TURNTABLE_FRAMES", 4)
     collection = build_preview(square_print(), cube)
     take_pictures(collection, {"turntable": tmp_path / "t.gif"}, PictureOptions(resolution=(24, 20), samples=1))
     with Image.open(tmp_path / "t.gif") as image:

@@ -10,9 +10,9 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor import cli  # noqa: E402
+from dualcolor.bridge.analysis.orientations import orientations_of  # noqa: E402
+from dualcolor.bridge.analysis.overlays import analysis_of, overlays_of  # noqa: E402
 from dualcolor.bridge.bed import bounds_mm  # noqa: E402
-from dualcolor.bridge.orientations import orientations_of  # noqa: E402
-from dualcolor.bridge.overlays import analysis_of, overlays_of  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.panels.analysis import (  # noqa: E402
     DUALCOLOR_PT_analysis,

@@ -9,7 +9,7 @@ from PIL import Image
 bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
-from dualcolor.bridge.calibration_tile import is_calibration_tile  # noqa: E402
+from dualcolor.bridge.objects.calibration_tile import is_calibration_tile  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.core.calibration.calibrate import shipped_table  # noqa: E402

@@ -8,9 +8,9 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor.bridge import results  # noqa: E402
-from dualcolor.bridge.preview import preview_of  # noqa: E402
 from dualcolor.bridge.properties import report_of  # noqa: E402
-from dualcolor.bridge.strand_curves import read_strands  # noqa: E402
+from dualcolor.bridge.strands.preview import preview_of  # noqa: E402
+from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
 from dualcolor.bridge.units import use_millimetres  # noqa: E402
 from dualcolor.panels.paint import hints  # noqa: E402
 from dualcolor.panels.results import duration, figures  # noqa: E402

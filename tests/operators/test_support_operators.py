@@ -7,7 +7,7 @@ import bmesh  # found only once bpy is there
 import dualcolor
 import numpy as np
 import pytest
-from dualcolor.bridge.plate import objects_to_print, plate_model
+from dualcolor.bridge.input.plate import objects_to_print, plate_model
 from dualcolor.bridge.properties import report_of
 from dualcolor.bridge.results import digest_of
 from dualcolor.core.model import SupportMark

@@ -104,7 +104,7 @@ def folder(scene, tmp_path):
 def test_any_file_of_a_picture_is_read_or_refused(folder, kind, width, height, seed, share):
     """Whole for a share of 1 and more, else cut short."""
     import bpy
-    from dualcolor.bridge.image_input import image_tone, load_image
+    from dualcolor.bridge.input.image_input import image_tone, load_image
 
     mode, suffix = kind
     path = Path(folder) / f"picture.{suffix}"

@@ -50,7 +50,7 @@ def test_kinds_of_files(suffix):
 
 def test_blender_never_decodes_them(scene, tmp_path):
     import bpy
-    from dualcolor.bridge.image_input import image_tone, load_image
+    from dualcolor.bridge.input.image_input import image_tone, load_image
 
     path = tmp_path / "bomb.png"
     path.write_bytes(png(100_000, 100_000))

@@ -73,7 +73,8 @@ def test_what_an_object_keeps_may_be_anything(scene, text):
     """A .blend file of others, or one of another version of the program."""
     import bpy
     import dualcolor
-    from dualcolor.bridge import orientations, overlays, properties
+    from dualcolor.bridge import properties
+    from dualcolor.bridge.analysis import orientations, overlays
     from dualcolor.bridge.kept import kept_json
 
     dualcolor.register()

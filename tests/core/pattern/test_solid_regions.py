@@ -285,8 +285,8 @@ def test_the_tools_of_layers_take_turns_with_the_fewest_changes():
 
 
 def test_the_preview_shows_the_right_filament(scene, two_patches):
-    from dualcolor.bridge.preview import build_preview
-    from dualcolor.bridge.strand_curves import read_strands
+    from dualcolor.bridge.strands.preview import build_preview
+    from dualcolor.bridge.strands.strand_curves import read_strands
     from dualcolor.bridge.units import mm_per_unit
 
     unit, seen = mm_per_unit(scene), {}

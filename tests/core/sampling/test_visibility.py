@@ -231,7 +231,7 @@ def test_a_vertex_group_says_where_seams_are_seen():
 def test_the_other_objects_of_a_plate_need_no_such_group():
     obj = painted_box()
     import bpy
-    from dualcolor.bridge.plate import plate_model
+    from dualcolor.bridge.input.plate import plate_model
     from dualcolor.tests.scene import add_box
 
     other = add_box((5, 5, 5), "other")

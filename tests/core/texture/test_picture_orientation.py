@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from dualcolor.core.model import ToneImage
-from dualcolor.core.texture.orientation import orientation_of_file, upright
+from dualcolor.core.texture.exif_orientation import orientation_of_file, upright
 from PIL import Image, ImageOps
 
 

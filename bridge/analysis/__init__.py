@@ -1,0 +1,1 @@
+"""What is found before the print, shown on the object: overlays, orientations, faults of the mesh."""

@@ -1,0 +1,243 @@
+"""A Blender object as the job's input: world-space polygons in mm with their UVs, tones and textures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import field
+
+import bpy
+import numpy as np
+
+from ...core.errors import MeshError, TextureError
+from ...core.model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneImage
+from ...core.records import dataclass
+from ...core.settings import PrintSettings
+from ...core.texture.decode import colour_tone
+from ..units import mm_per_unit
+from .base_color import BaseColour, base_colour, chosen_colour, picture_layer
+from .image_input import image_tone
+from .printed_materials import printed_materials
+from .seam_visibility import painted_visibility
+
+WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
+SUPPORT_ATTRIBUTE = "dualcolor_support"
+"""Whole number of each face: above 0 it enforces supports, below 0 it blocks them."""
+NO_FACES_HINT = "choose a mesh with a closed surface; instances need Geometry Nodes' Realize Instances"
+UNWRAP_HINT = "unwrap it first (in Blender: Paint > Smart UV Project; on the command line: --unwrap smart)"
+
+
+def surface_model(
+    obj: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    settings: PrintSettings,
+    image: bpy.types.Image | None = None,
+) -> SurfaceModel:
+    """An object as it stands in the scene: modifiers, shape keys and transform applied, in mm.
+
+    Tone comes from `image` if it is given, else from the images of the materials, else from the active colour
+    attribute, else it is left to `settings.background_tone`.
+
+    Args:
+        obj: the object to print.
+        depsgraph: evaluated, of the scene that the object is in.
+        settings: for the background tone, and what says where seams are seen.
+        image: the picture chosen by the user; it covers the whole object.
+
+    Raises:
+        MeshError: the object has no surface.
+        SettingsError: what shall say where seams are seen is not there.
+        TextureError: a picture is missing or there is no UV map for it.
+    """
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        corners = _Corners.of(mesh)
+        colours = _material_colours(obj, mesh)
+        colours = [chosen_colour(colours, image, mesh)] if image else colours
+        slot = np.zeros(len(mesh.polygons), dtype=np.int64) if image else _material_slots(mesh, len(colours))
+        uv = _corner_uv(mesh, obj.name, corners, colours, slot)
+        tone = _corner_tone(mesh, corners, colours, slot, settings.background_tone)
+        textures, polygon_texture = _textures(colours, slot)
+        support = _face_marks(mesh)
+        weights, shown = painted_visibility(obj, mesh, settings.seam_visibility)
+        vertices = world_vertices(mesh, obj.evaluated_get(depsgraph), mm_per_unit(depsgraph.scene))
+    order = corners.outward(mirrored=obj.evaluated_get(depsgraph).matrix_world.determinant() < 0)
+    return SurfaceModel(
+        vertices=vertices,
+        polygon_start=corners.start,
+        corner_vertex=corners.vertex[order],
+        corner_uv=None if uv is None else uv[order],
+        corner_tone=None if tone is None else tone[order],
+        polygon_texture=polygon_texture,
+        textures=(*textures, shown) if shown else textures,
+        name=obj.name,
+        polygon_support=support,
+        corner_visibility=None if weights is None else weights[corners.vertex][order],
+        polygon_visibility=np.full(len(polygon_texture), len(textures), dtype=np.int64) if shown else None,
+        notes=_notes(obj, depsgraph),
+    )
+
+
+@contextmanager
+def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Mesh]:
+    """The mesh of an object with its modifiers applied, in object space, for as long as the block runs.
+
+    Raises:
+        MeshError: the object is of a kind without a surface, or has no faces.
+    """
+    if obj.type not in WITH_SURFACE:
+        raise MeshError(f"{obj.name} has no surface to print", "choose a mesh object")
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+        depsgraph.update()
+    evaluated = obj.evaluated_get(depsgraph)
+    mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+    try:
+        if mesh is None or not len(mesh.polygons):
+            raise MeshError(f"{obj.name} has no faces", NO_FACES_HINT)
+        yield mesh
+    finally:
+        evaluated.to_mesh_clear()
+
+
+def _notes(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[str, ...]:
+    """Warnings about parts that are visible on an object but not in its mesh."""
+    if obj.evaluated_get(depsgraph).evaluated_geometry().instances_pointcloud() is None:
+        return ()
+    return (f"instances on {obj.name} are not printed: use Geometry Nodes' Realize Instances",)
+
+
+@dataclass(frozen=True)
+class _Corners:
+    """Polygon corners: `start` (P + 1,), `vertex` (C,) and `polygon` (C,), the polygon of each corner."""
+
+    start: IntArray
+    vertex: IntArray
+    polygon: IntArray = field(repr=False)
+
+    @staticmethod
+    def of(mesh: bpy.types.Mesh) -> _Corners:
+        count = len(mesh.loops)
+        start = np.empty(len(mesh.polygons), dtype=np.int32)
+        vertex = np.empty(count, dtype=np.int32)
+        mesh.polygons.foreach_get("loop_start", start)
+        mesh.loops.foreach_get("vertex_index", vertex)
+        bounds = np.append(start, count).astype(np.int64)
+        return _Corners(bounds, vertex.astype(np.int64), np.repeat(np.arange(len(start)), np.diff(bounds)))
+
+    def outward(self, mirrored: bool) -> IntArray:
+        """(C,) the order of the corners in which faces look outward; a mirrored object turns every polygon around."""
+        index = np.arange(len(self.vertex))
+        if not mirrored:
+            return index
+        return self.start[self.polygon] + self.start[self.polygon + 1] - 1 - index
+
+
+def _face_marks(mesh: bpy.types.Mesh) -> IntArray | None:
+    """(P,) the `SupportMark` of each polygon; None where there is none."""
+    attribute = mesh.attributes.get(SUPPORT_ATTRIBUTE)
+    if attribute is None or attribute.domain != "FACE" or attribute.data_type != "INT":
+        return None
+    values = np.zeros(len(mesh.polygons), dtype=np.int32)
+    attribute.data.foreach_get("value", values)
+    marks: IntArray = np.sign(values).astype(np.int64)
+    return marks if marks.any() else None
+
+
+def polygon_corners(mesh: bpy.types.Mesh) -> tuple[IntArray, IntArray]:
+    """(P + 1,) where each polygon's corners start, and (C,) the vertex of each corner."""
+    corners = _Corners.of(mesh)
+    return corners.start, corners.vertex
+
+
+def world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float) -> FloatArray:
+    """(V, 3) mm in the world, of an evaluated object's mesh; `mm` is the length of a unit."""
+    position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", position)
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    world: FloatArray = position.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    return world * mm
+
+
+def _material_colours(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[BaseColour]:
+    """One entry per material slot, at least one."""
+    slots = printed_materials(obj) or list(mesh.materials)
+    return [base_colour(material) for material in slots] or [BaseColour()]
+
+
+def _material_slots(mesh: bpy.types.Mesh, slots: int) -> IntArray:
+    index = np.zeros(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("material_index", index)
+    return np.clip(index.astype(np.int64), 0, slots - 1)
+
+
+def _textures(colours: list[BaseColour], slot: IntArray) -> tuple[tuple[ToneImage, ...], IntArray]:
+    """The pictures that polygons use, each once, and which one each polygon uses."""
+    used = set(np.unique(slot).tolist())
+    images: list[bpy.types.Image] = []
+    of_slot = np.full(len(colours), -1, dtype=np.int64)
+    for number, colour in enumerate(colours):
+        if colour.image is None or number not in used:
+            continue
+        if colour.image not in images:
+            images.append(colour.image)
+        of_slot[number] = images.index(colour.image)
+    return tuple(image_tone(image) for image in images), of_slot[slot]
+
+
+def _corner_uv(
+    mesh: bpy.types.Mesh, name: str, corners: _Corners, colours: list[BaseColour], slot: IntArray
+) -> FloatArray | None:
+    """(C, 2) from the UV map with which each material's picture is displayed; None if there is none."""
+    if not mesh.uv_layers:
+        pictured = next((colour.image for colour in colours if colour.image), None)
+        if pictured:
+            raise TextureError(f"{name} has no UV map for the image {pictured.name}", UNWRAP_HINT)
+        return None
+    active = mesh.uv_layers.active
+    uv = _layer_uv(active)
+    for number, colour in enumerate(colours):
+        layer = picture_layer(colour, mesh)
+        if colour.image and layer.name != active.name:
+            chosen = slot[corners.polygon] == number
+            uv[chosen] = _layer_uv(layer)[chosen]
+    return uv
+
+
+def _layer_uv(layer: bpy.types.MeshUVLoopLayer) -> FloatArray:
+    uv = np.empty(len(layer.uv) * 2, dtype=np.float32)
+    layer.uv.foreach_get("vector", uv)
+    return uv.reshape(-1, 2).astype(np.float64)
+
+
+def _corner_tone(
+    mesh: bpy.types.Mesh, corners: _Corners, colours: list[BaseColour], slot: IntArray, background: float
+) -> FloatArray | None:
+    """(C,) tone of corners without a picture, NaN elsewhere; None if only pictures and background give tones.
+
+    Without a picture on the object that is the active colour attribute. Beside materials with a picture, plain
+    ones show their own colour.
+    """
+    pictured = any(colour.image for colour in colours)
+    tone = np.full(len(corners.vertex), np.nan)
+    for number, colour in enumerate(colours):
+        chosen: BoolArray = slot[corners.polygon] == number
+        if colour.image or not chosen.any():
+            continue
+        rgba = _attribute_colour(mesh, corners, colour.attribute, active=not pictured)
+        if rgba is not None:
+            tone[chosen] = colour_tone(rgba[chosen], background)
+        elif pictured and colour.colour:
+            tone[chosen] = colour_tone(np.array([colour.colour], dtype=np.float64), background)[0]
+    return None if np.isnan(tone).all() else tone
+
+
+def _attribute_colour(mesh: bpy.types.Mesh, corners: _Corners, name: str, active: bool) -> FloatArray | None:
+    """(C, 4) linear colour of the named attribute, else of the active one if that may be used, else None."""
+    attributes = mesh.color_attributes
+    attribute = attributes.get(name) or (attributes.active_color if active else None)
+    if attribute is None:
+        return None
+    rgba = np.empty(len(attribute.data) * 4, dtype=np.float32)
+    attribute.data.foreach_get("color", rgba)  # linear for byte colours too
+    linear = rgba.reshape(-1, 4).astype(np.float64)
+    return linear[corners.vertex] if attribute.domain == "POINT" else linear

@@ -1,0 +1,1 @@
+"""The virtual gonioreflectometer, with which tone tables are measured."""

@@ -1,0 +1,1 @@
+"""Objects that the program makes: picture objects, the calibration tile, the sample."""

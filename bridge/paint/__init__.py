@@ -1,0 +1,1 @@
+"""UV maps and pictures to paint on."""

@@ -1,0 +1,126 @@
+"""UV maps for meshes that have none, or bad ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+
+import bmesh
+import bpy
+import numpy as np
+
+from ...core.errors import MeshError
+from ...core.mesh.unwrapping import ChartOptions, PackOptions, unwrapping
+from ..units import mm_per_unit
+
+UV_LAYER = "Dual-Color"
+GAP_MM = 0.5
+"""Between charts: the soft proof reads a sixth of a millimetre beyond them, on flat walls twice as much."""
+_FILLED, _WIDEST = 0.6, 0.02  # share of the picture that charts fill; share of its side that is left around a chart
+_MOST_UV_MAPS = 8  # that Blender lets a mesh have
+
+
+def unwrap(obj: bpy.types.Object, method: str) -> None:
+    """Give a mesh object a new, active UV map; the ones it has are kept.
+
+    Args:
+        obj: in object mode, in the current view layer.
+        method: "smart" projects in few directions, fast; "xatlas" makes fewer, larger charts, slowly, and splits
+            polygons into triangles.
+
+    Raises:
+        MeshError: the object is no mesh, has no faces, or no room for another UV map.
+        PrintError: xatlas is not installed.
+    """
+    if method == "smart":
+        smart_project(obj)
+        return
+    for _ in unwrap_steps(obj, ChartOptions(), PackOptions(padding=0)):
+        pass
+
+
+def unwrap_steps(obj: bpy.types.Object, chart: ChartOptions, pack: PackOptions) -> Generator[float, None, None]:
+    """Unwrap with xatlas; yields the share that is done, and changes the mesh at the very end.
+
+    Args:
+        obj: in object mode.
+        chart: how to cut the surface.
+        pack: how to pack the charts.
+
+    Raises:
+        MeshError: the object is no mesh, has no faces, no room for another UV map, or xatlas cannot unwrap it.
+        PrintError: xatlas is not installed.
+    """
+    _check(obj)
+    triangles = _triangulated(obj.data)
+    try:
+        vertices = np.empty((len(triangles.vertices), 3), dtype=np.float32)
+        triangles.attributes["position"].data.foreach_get("vector", vertices.ravel())
+        faces = np.empty((len(triangles.polygons), 3), dtype=np.int32)
+        triangles.loops.foreach_get("vertex_index", faces.ravel())
+        uv = yield from unwrapping(vertices * _scale(obj), faces, chart, pack)
+        if obj.data.is_editmode:
+            raise MeshError(f"{obj.name} is being edited", "leave Edit Mode first")
+        _copy_into(triangles, obj.data)
+    finally:
+        bpy.data.meshes.remove(triangles)
+    _new_layer(obj.data).uv.foreach_set("vector", uv.ravel())
+    obj.data.update()
+
+
+def smart_project(obj: bpy.types.Object) -> None:
+    """Unwrap with Blender's Smart UV Project.
+
+    Raises:
+        MeshError: the object is no mesh, has no faces, or no room for another UV map.
+    """
+    _check(obj)
+    _new_layer(obj.data)
+    side_mm = math.sqrt(sum(face.area for face in obj.data.polygons) / _FILLED) * _scale(obj)
+    margin = min(GAP_MM / 2 / side_mm, _WIDEST) if side_mm > 0 else 0.0
+    layer = bpy.context.view_layer
+    for other in layer.objects:
+        other.select_set(other == obj)
+    layer.objects.active = obj
+    former = obj.mode
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.reveal(select=False)
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.uv.smart_project(angle_limit=math.radians(66.0), margin_method="FRACTION", island_margin=margin)
+    bpy.ops.object.mode_set(mode=former)
+
+
+def _check(obj: bpy.types.Object) -> None:
+    if obj.type != "MESH" or not len(obj.data.polygons):
+        raise MeshError(f"{obj.name} has no faces to unwrap", "choose a mesh object")
+    if len(obj.data.uv_layers) >= _MOST_UV_MAPS:
+        raise MeshError(f"{obj.name} has no room for another UV map", "remove one of its UV maps")
+
+
+def _scale(obj: bpy.types.Object) -> float:
+    """Millimetres in one of the object's own units, on average over its axes."""
+    return abs(obj.matrix_world.to_3x3().determinant()) ** (1 / 3) * mm_per_unit(bpy.context.scene) or 1.0
+
+
+def _new_layer(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer:
+    layer = mesh.uv_layers.new(name=UV_LAYER, do_init=False)
+    layer.active = layer.active_render = True
+    return layer
+
+
+def _triangulated(mesh: bpy.types.Mesh) -> bpy.types.Mesh:
+    """A copy with polygons split, because a chart may end on a diagonal."""
+    copy = mesh.copy()
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    bmesh.ops.triangulate(work, faces=[face for face in work.faces if len(face.verts) > 3])
+    work.to_mesh(copy)
+    work.free()
+    return copy
+
+
+def _copy_into(source: bpy.types.Mesh, target: bpy.types.Mesh) -> None:
+    work = bmesh.new()
+    work.from_mesh(source)
+    work.to_mesh(target)
+    work.free()

@@ -1,0 +1,253 @@
+"""Cycles pictures of the predicted print, taken in a small studio that is removed afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from os import PathLike
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...core.errors import OutputError, PrintError
+from ...core.files import write_file
+from ...core.model import FloatArray, SurfaceModel
+from ...core.paths import Feature
+from ...core.pictures.viewing import Picture
+from ...core.progress import drained
+from ..strands.scrubber import strands_in
+from ..strands.strand_curves import read_strands, set_drawing
+from ..units import mm_per_unit
+from .painted import painted_model
+from .render_rods import render_rods
+from .studio import Studio
+
+BESIDE_THE_OBJECT = (
+    Feature.TOWER,
+    Feature.SKIRT,
+    Feature.SUPPORT,
+    Feature.SUPPORT_INTERFACE,
+    Feature.BRIM,
+    Feature.RAFT,
+    Feature.OOZE_SHIELD,
+)
+"""Features that are not of the object; all others are."""
+
+STUDIO_SIZE = 100.0
+
+
+class RenderStoppedError(Exception):
+    """The user has stopped Blender's render."""
+
+
+def render_prediction(
+    collection: bpy.types.Collection,
+    path: str | PathLike[str],
+    resolution: tuple[int, int] = (900, 900),
+    samples: int = 64,
+    azimuth_deg: float = -30.0,
+    elevation_deg: float = 18.0,
+    whole_plate: bool = False,
+) -> None:
+    """Render the strands of a preview to a PNG file; the scenes, the view and the settings stay as they are.
+
+    Args:
+        collection: made by `build_preview`.
+        path: of the picture.
+        resolution: width and height in pixels.
+        samples: of each pixel at most; even surfaces get as few as 8.
+        azimuth_deg: where the camera stands: 0 in front (-Y), positive to the right of it.
+        elevation_deg: how far above the horizon it stands.
+        whole_plate: with the cleaning tower, the skirt and the supports; otherwise the object alone.
+
+    Raises:
+        PrintError: there are no strands to show.
+        OutputError: the file cannot be written.
+    """
+    if not Path(path).absolute().parent.is_dir():
+        raise OutputError(f"{path} cannot be written, its folder does not exist", "choose another path")
+    with photographer(collection, resolution, samples, whole_plate) as camera:
+        write_file(path, drained(camera.file(azimuth_deg, elevation_deg)))
+
+
+class Photographer:
+    """Strands in the studio; made by `photographer`. Its pictures are generators that yield while they wait.
+
+    Attributes:
+        mm_per_pixel: at the middle of the object, of the latest picture.
+    """
+
+    def __init__(
+        self, scene: bpy.types.Scene, studio: Studio, painted: bpy.types.Object | None, mm: float, in_window: bool
+    ) -> None:
+        self._scene, self._studio, self._painted, self._mm = scene, studio, painted, mm
+        self._in_window = in_window
+        self._strands = [held for held in scene.objects if held.type == "CURVES"]
+        self.mm_per_pixel = 0.0
+
+    def file(
+        self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False
+    ) -> Generator[None, None, bytes]:
+        """A picture as a PNG file.
+
+        Args:
+            azimuth_deg: where the camera stands: 0 in front (-Y), positive to the right of it.
+            elevation_deg: how far above the horizon it stands.
+            steady: from the same distance whatever the azimuth.
+            painted: of the model with its own tones, instead of its strands.
+
+        Raises:
+            ValueError: the model was not given.
+            RenderStoppedError: by the user.
+            PrintError: Blender renders something else.
+        """
+        if painted and self._painted is None:
+            raise ValueError("the photographer was not given the model")
+        self.mm_per_pixel = self._mm * self._studio.look(azimuth_deg, elevation_deg, steady)
+        for held in self._strands:
+            held.hide_render = painted
+        if self._painted:
+            self._painted.hide_render = not painted
+        import tempfile
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "picture.png"
+            self._scene.render.filepath = str(path)
+            yield from _rendered(self._scene, self._in_window)
+            if not path.is_file():
+                raise RenderStoppedError
+            return path.read_bytes()
+
+    def picture(
+        self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False
+    ) -> Generator[None, None, Picture]:
+        """(H, W, 3) uint8 what `file` writes."""
+        from PIL import Image
+
+        data = yield from self.file(azimuth_deg, elevation_deg, steady=steady, painted=painted)
+        with Image.open(BytesIO(data)) as image:
+            return np.asarray(image.convert("RGB"))
+
+
+@contextmanager
+def photographer(
+    collection: bpy.types.Collection,
+    resolution: tuple[int, int],
+    samples: int,
+    whole_plate: bool = False,
+    model: SurfaceModel | None = None,
+    background: float = 0.5,
+    in_window: bool = False,
+) -> Iterator[Photographer]:
+    """The strands of a preview set up in a scene of their own that is removed afterwards; nothing else is changed.
+
+    Args:
+        collection: made by `build_preview`.
+        resolution: width and height in pixels.
+        samples: of each pixel at most; even surfaces get as few as 8.
+        whole_plate: with the cleaning tower, the skirt and the supports; otherwise the object alone.
+        model: what the strands were made from, to be shown with its own tones.
+        background: tone where nothing is painted on the model.
+        in_window: as Blender's own Render Image does it: the picture is seen as it gets clearer, the windows answer,
+            Esc stops it. Needs them to be drawn between the yields.
+
+    Raises:
+        PrintError: there are no strands to show.
+    """
+    unit = mm_per_unit(bpy.context.scene)
+    with leaving_no_trace():
+        scene = bpy.data.scenes.new("Predicted Print")
+        points, factor = _copy_strands(collection, scene, whole_plate)
+        painted = painted_model(model, background, factor / unit) if model else None
+        if painted:
+            scene.collection.objects.link(painted)
+        _set_output(scene, resolution, samples)
+        yield Photographer(scene, Studio(scene, points, resolution), painted, unit / factor, in_window)
+
+
+def _rendered(scene: bpy.types.Scene, in_window: bool) -> Generator[None, None, None]:
+    """Render a scene to its file, which is not there if the user stops it."""
+    if not in_window:
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+        return
+    if "CANCELLED" in bpy.ops.render.render("INVOKE_DEFAULT", write_still=True, scene=scene.name):
+        raise PrintError("Blender is rendering something else", "render the print when that has ended")
+    while bpy.app.is_job_running("RENDER"):
+        yield
+
+
+def _copy_strands(
+    collection: bpy.types.Collection, scene: bpy.types.Scene, whole_plate: bool
+) -> tuple[FloatArray, float]:
+    """Put copies of the wanted strands into the scene; (N, 3) all their points there, and the scale of the copies.
+
+    The copies are scaled to one size, for rods of a tenth of a millimetre in a scene of metres are too thin for the
+    renderer's single precision: it would add specks of light.
+    """
+    wanted = []
+    for shown in strands_in(collection):
+        points, counts, radius, labels = read_strands(shown)
+        chosen = whole_plate | ~np.isin(labels["feature"], BESIDE_THE_OBJECT)
+        of_point = np.repeat(chosen, counts)
+        if of_point.any():
+            wanted.append((shown, points[of_point], counts[chosen], radius[of_point]))
+    if not wanted:
+        raise PrintError("there are no strands to render", "generate the toolpath first")
+    matrices = [np.array(shown.matrix_world) for shown, *_ in wanted]
+    world = [
+        points @ matrix[:3, :3].T + matrix[:3, 3] for (_, points, *_), matrix in zip(wanted, matrices, strict=True)
+    ]
+    factor = STUDIO_SIZE / float(np.linalg.norm(np.ptp(np.concatenate(world), axis=0)))
+    for (shown, points, counts, radius), matrix in zip(wanted, matrices, strict=True):
+        rods = render_rods(shown, points * factor, counts, radius * factor, scene)
+        copy = bpy.data.objects.new(shown.name, rods)
+        matrix[:3, 3] *= factor
+        copy.matrix_world = Matrix(matrix.tolist())
+        scene.collection.objects.link(copy)
+    return np.concatenate(world) * factor, factor
+
+
+def _set_output(scene: bpy.types.Scene, resolution: tuple[int, int], samples: int) -> None:
+    render = scene.render
+    render.engine, render.use_persistent_data = "CYCLES", True
+    render.image_settings.file_format, render.image_settings.color_mode = "PNG", "RGB"
+    render.resolution_x, render.resolution_y = resolution
+    render.resolution_percentage = 100
+    render.use_compositing = render.use_sequencer = False
+    scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
+    set_drawing(scene)
+    cycles = scene.cycles
+    cycles.device, cycles.samples = _device(), samples
+    cycles.use_adaptive_sampling, cycles.adaptive_threshold, cycles.adaptive_min_samples = True, 0.1, 8
+    cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 4, 2
+    try:
+        cycles.denoiser, cycles.use_denoising = "OPENIMAGEDENOISE", True
+    except TypeError:  # this build of Blender has no denoiser, and so no such name in the list
+        cycles.use_denoising = False
+
+
+def _device() -> str:
+    """GPU if the preferences of Cycles offer one, otherwise CPU."""
+    addon = bpy.context.preferences.addons.get("cycles")
+    chosen = addon.preferences if addon else None
+    if chosen is None or getattr(chosen, "compute_device_type", "NONE") == "NONE":
+        return "CPU"
+    return "GPU" if any(device.use and device.type != "CPU" for device in chosen.devices) else "CPU"
+
+
+@contextmanager
+def leaving_no_trace() -> Iterator[None]:
+    """Remove every datablock that is created inside, unless Blender is closed while it renders them."""
+    kinds = ("scenes", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials", "images")
+    before = {kind: set(getattr(bpy.data, kind)) for kind in kinds}
+    try:
+        yield
+    finally:
+        # Blender would wait for the end of a render whose scene is taken away, and the render for Blender.
+        for kind in () if bpy.app.is_job_running("RENDER") else kinds:
+            held = getattr(bpy.data, kind)
+            for made in set(held) - before[kind]:
+                held.remove(made)

@@ -1,0 +1,1 @@
+"""The soft proof: the object as it will print, in the viewport, while it is painted."""
