@@ -185,6 +185,8 @@ PRINT_DETAILS = (
             "bed_temperature",
             "fan_speed",
             "disable_fan_first_layers",
+            "slowdown_below_layer_time",
+            "min_print_speed",
         ),
         stage="print",
     ),

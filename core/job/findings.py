@@ -24,6 +24,7 @@ from ..slicing.planes import line_widths
 from ..slicing.slices import Slices
 from ..statistics.breakdown import filament_report, swap_cost, time_report
 from ..statistics.single_color import single_color_seconds
+from ..toolpaths.layer_time import layer_time_warnings
 from ..toolpaths.moves import Moves
 from ..toolpaths.raft import raised
 from ..toolpaths.skirt import skirt_warnings
@@ -68,6 +69,7 @@ def findings(
         *line_warnings(settings),
         *thin_warnings(thin, settings),
         *hanging_warnings(hanging, settings),
+        *layer_time_warnings(moves, seconds, settings),
         *skirt_warnings(paths.beside.around, settings),
         *slope_warnings(slopes),
         *standby_warnings(moves, seconds, settings),

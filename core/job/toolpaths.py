@@ -91,7 +91,8 @@ def toolpaths_anew(
     part = _ordered(own, beside.around.selected(on_raft[beside.around.layer]), beside, settings)
     kept, part = _marked(former.paths, part)
     paths = spliced(kept, part, on_raft)
-    # A layer's last moves lead to the next one, so that two more are needed to know those of one more.
+    # A layer's last moves lead to the next one, so that two more are needed to know those of one more. These are all
+    # that its speeds depend on (`layer_time.py`).
     near = widened(on_raft, 1)
     made = assemble(some(paths, widened(on_raft, 2)), stack, settings, within)
     check(some(made, near), settings)

@@ -279,6 +279,11 @@ class PrintSettings:
         0.0, "Fan that cools the print, on printers with Marlin or Klipper firmware; 0 is off", "%", 0.0, 100.0
     )
     disable_fan_first_layers: int = _filament(1, "Layers on the bed that are printed without the fan", "", 0, 1000)
+    slowdown_below_layer_time: float = _filament(
+        8.0, "Layers that would take less are printed more slowly, so that each sets before the next; 0 slows none",
+        "s", 0.0, 300.0,
+    )  # fmt: skip
+    min_print_speed: float = _filament(10.0, "Least speed that short layers are slowed to", "mm/s", 1.0, 300.0)
 
     # Predicted print
     sag: float = _preview(0.3, "How far a strand sinks at most where nothing carries it", "mm", 0.0, 2.0)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ..model import FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Feature, Paths
 from ..pattern.wave import WavedOutlines
 from ..ragged import following, ranges, starts, sums
@@ -27,6 +27,8 @@ ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 _AROUND = (Feature.SKIRT, Feature.BRIM, Feature.RAFT)
 # Of a tall print, the time of about this many layers is computed.
 _KNOWN_LAYERS = 20
+_LEAST_MM2 = 1e-9
+_SLOWED = 0.98  # of the least time of a layer; those that take less have the least speed
 
 
 @dataclass(frozen=True)
@@ -94,14 +96,35 @@ def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray,
         return float(single.seconds.sum())
     counts = np.ones(len(Feature))
     counts[[Feature.OUTER_WALL, *ONLY_DUAL, *_AROUND]] = 0.0
-    weight = counts.take(moves.feature) * seconds
+    weight = counts.take(moves.feature)
     weight[tool_change_rows(moves)] = 0.0
+    # The first layer is printed slowly: no example for others. Nor are short layers, which take what they are given.
+    first, known, others = single.seconds[0], single.seconds[1:], single.printed[1:]
+    least = settings.slowdown_below_layer_time
+    guess = _by_layer(moves, weight * seconds, single.wall, settings)
+    taken = _as_known(guess, known > least, single)[others]
+    if (known <= least).any():
+        strand = np.where(moves.extrudes, moves.filament / np.maximum(moves.width * moves.height, _LEAST_MM2), 0.0)
+        section = np.pi / 4 * settings.filament_diameter_0**2 / settings.extrusion_multiplier
+        wall = single.wall * settings.outline_speed
+        slowest = _by_layer(moves, weight * strand * section, wall, settings) / settings.min_print_speed
+        slowed = _as_known(slowest, known < _SLOWED * least, single)[others]
+        taken = np.maximum(taken, np.minimum(slowed, least))
+    return float(first + taken.sum())
+
+
+def _by_layer(moves: Moves, weight: FloatArray, wall: FloatArray, settings: PrintSettings) -> FloatArray:
+    """(L,) what the moves amount to on each layer of the object, with what the wall (L,) does."""
     alike = np.bincount(moves.layer, weight)[settings.raft_layers :]
-    guess = single.wall.copy()
-    guess[: len(alike)] += alike
-    # The first layer is printed slowly: no example for others.
-    more, others = single.seconds[1:] - guess[single.layer[1:]], single.printed[1:]
-    return float(single.seconds[0] + guess[others].sum() + more.mean() * len(others))
+    amount = wall.copy()
+    amount[: len(alike)] += alike
+    return amount
+
+
+def _as_known(guess: FloatArray, examples: BoolArray, single: SingleColor) -> FloatArray:
+    """(L,) guesses of s, moved by as much as those are wrong on average that are `examples` (S - 1,)."""
+    more = (single.seconds[1:] - guess[single.layer[1:]])[examples]
+    return guess + (more.mean() if len(more) else 0.0)
 
 
 def single_color_moves(

@@ -76,8 +76,13 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
         u = _node_speeds_squared(segments, printer)
         columns = segments.length, segments.speed, segments.acceleration, u[:-1], u[1:]
         (seconds[segments.takes],) = in_chunks(_trapezoid_seconds, *columns, rows=_ROWS, threads=False)
-    seconds[1:][moves.tool[1:] != moves.tool[:-1]] += printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
+    seconds[1:][moves.tool[1:] != moves.tool[:-1]] += shift_seconds(printer)
     return seconds
+
+
+def shift_seconds(printer: PrinterProfile) -> float:
+    """s in which the carriage shifts from nozzle to nozzle at a change of the tool."""
+    return printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
 
 
 def stretches(moves: Moves, seconds: FloatArray) -> tuple[Moves, FloatArray]:

@@ -12,6 +12,7 @@ from ..ragged import ranges, starts
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from .approach import approaches, fill_approaches
+from .layer_time import short_layers, slow_short_layers
 from .moves import Moves
 from .order import OrderedPaths
 from .speeds import chord_lengths, extrusion_speeds
@@ -42,17 +43,21 @@ def assemble(
     with ThreadPoolExecutor(1) as beside:  # GEOS, which looks at the travels, leaves it the interpreter
         measured = beside.submit(_lengths_and_speeds, paths, layers, settings)
         ways = travels(paths, within, settings)
-    length, speed = measured.result()
+    length, speed, short = measured.result()
     approach = approaches(paths, tool, length, ways, settings)
     table, first_row = _extrusions(paths, tool, layers, approach.rows, length, speed, settings)
     fill_approaches(table, paths, layers, first_row, approach, length, ways, settings)
+    slow_short_layers(table, short, settings)
     return table
 
 
-def _lengths_and_speeds(paths: OrderedPaths, layers: Layers, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
-    """(N,) mm from each point to the next, and (N,) mm/s there."""
+def _lengths_and_speeds(
+    paths: OrderedPaths, layers: Layers, settings: PrintSettings
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """(N,) mm from each point to the next, (N,) mm/s there, and the layers that may take too little time."""
     length = chord_lengths(paths)
-    return length, extrusion_speeds(paths, layers, length, settings)
+    speed = extrusion_speeds(paths, layers, length, settings)
+    return length, speed, short_layers(paths, length, speed, settings)
 
 
 def _extrusions(

@@ -29,6 +29,8 @@ CHANGES = {
     "mostly white": {"mostly_white_below": 99, "retract_before_travel": 14.0, "skirts": 0},
     "seams above seams": {"seam_position": "aligned"},
     "near seams": {"seam_position": "nearest", "infill_pattern": "gyroid", "perimeters": 3},
+    "slowed": {"slowdown_below_layer_time": 25.0, "min_print_speed": 5.0},
+    "mostly white, slowed": {"mostly_white_below": 99, "slowdown_below_layer_time": 25.0},
     "hollow, cooled": {"infill_density": 0.0, "standby_temperature_delta": 60.0, "calibration": "none"},
 }
 

@@ -81,6 +81,8 @@ def test_single_color_print_has_no_wave_no_tower_and_no_tool_change(can):
     assert np.ptp(radius) < 0.06
     assert (moves.position[moves.extrudes, 2] == can.slices.layers.top[moves.layer[moves.extrudes]]).all()
     # one circle a layer at 40 mm/s, which is below what its bend allows; a tenth for starting and stopping
+    hurried = settings.changed({"slowdown_below_layer_time": 0})
+    moves = single_color_moves(can.outlines, Paths.empty(), can.slices.layers, hurried)
     line = print_time(moves, settings)["total"]
     assert line == pytest.approx((layers - 1) * 2 * np.pi * 11.8 / 40 + 2 * np.pi * 11.8 / 30, rel=0.1)
 
