@@ -9,7 +9,7 @@ from ..model import BoolArray, IntArray, Shapes
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
-from .walls import offset
+from .walls import offset, polygonal
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
 _AREA_ERROR_MM2 = 0.01  # of an overlay that went right
@@ -129,7 +129,7 @@ def _parted(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes]:
     wrong = _wrong(whole, within, beyond)
     within[wrong] = shapely.intersection(cutters[wrong], whole[wrong], grid_size=_GRID_MM)
     beyond[wrong] = shapely.difference(whole[wrong], cutters[wrong], grid_size=_GRID_MM)
-    return _polygonal(within), _polygonal(beyond)
+    return polygonal(within), polygonal(beyond)
 
 
 def _wrong(whole: Shapes, *parts: Shapes) -> BoolArray:
@@ -142,15 +142,7 @@ def remainder(whole: Shapes, parts: Shapes) -> Shapes:
     rest: Shapes = shapely.difference(whole, parts)
     wrong = _wrong(whole, parts, rest)
     rest[wrong] = shapely.difference(whole[wrong], parts[wrong], grid_size=_GRID_MM)
-    return _polygonal(rest)
-
-
-def _polygonal(shapes: Shapes) -> Shapes:
-    """Without the lines and points where shapes only touch."""
-    mixed = shapely.get_type_id(shapes) == shapely.GeometryType.GEOMETRYCOLLECTION
-    mixed |= shapely.get_dimensions(shapes) < 2
-    shapes[mixed] = shapely.buffer(shapes[mixed], 0.0)
-    return shapes
+    return polygonal(rest)
 
 
 def _with_remnants(inside: Shapes, solid: Shapes, sparse: Shapes, smallest_mm2: float) -> tuple[Shapes, Shapes]:

@@ -5,17 +5,15 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import BoolArray, FloatArray, IntArray, Shapes
+from ..model import FloatArray, IntArray, Shapes
 from ..paths import Feature, Paths
 from ..ragged import starts
 from ..settings import PrintSettings
-from ..slicing.regions import gathered
 from .mitres import MITRE_LIMIT, Moved, moved
 
 _SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls by
 _NARROWEST = 0.7  # line widths between the lines on both sides of a neck
-_LEAST_NECK = 4.0  # line widths around it: sharp corners are no necks
-_FLAT = 0.05  # line widths, area by length: so thin a loop is its line printed twice
+_TIP = 0.2  # line widths, squared: sharp corners are no necks
 _APART_MM = 1e-3  # overlays of edges that lie on one another take several times as long and leave slivers
 
 
@@ -72,37 +70,48 @@ def walls_and_fill(
         (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap; and how each wall came
         from the one before.
     """
-    overlap = settings.infill_overlap / 100.0 - 0.5
-
+    into_fill = (settings.infill_overlap / 100.0 - 0.5) * width_mm
     walls, steps = [islands], []
     for _ in range(settings.perimeters):
         steps.append(moved(walls[-1], -width_mm))
         walls.append(_completed(steps[-1], walls[-1], -width_mm))
     inside = simplified(walls[-1], _SIMPLIFY_MM)
-    filled = moved(inside, overlap * width_mm)
+    filled = moved(inside, into_fill)
+    fill = _completed(filled, inside, into_fill)
     for number, onwards in enumerate([*steps[1:], filled][: len(steps)], start=1):
         # Where edges have met on the way further in, or nothing was left to go on with.
-        necks = np.flatnonzero(~onwards.sound | (shapely.is_empty(onwards.shapes) & ~shapely.is_empty(walls[number])))
-        changed = necks[_open_necks(walls[number], necks, width_mm)]
-        steps[number - 1].sound[changed] = False
-    return walls, _completed(filled, inside, overlap * width_mm), steps
+        rows = np.flatnonzero(~onwards.sound | (shapely.is_empty(onwards.shapes) & ~shapely.is_empty(walls[number])))
+        least = _NARROWEST / 2 * width_mm[rows]
+        if onwards is filled and np.allclose(into_fill[rows], -least):
+            cores, least = fill[rows], least + _SIMPLIFY_MM
+        else:
+            cores = offset(walls[number][rows], -least)
+        opened = _open_necks(walls[number], rows, offset(cores, least + _APART_MM), width_mm[rows])
+        steps[number - 1].sound[opened] = False
+    return walls, fill, steps
 
 
-def _open_necks(walls: Shapes, rows: IntArray, width_mm: FloatArray) -> BoolArray:
-    """(R,) whether some of the given walls (R,) of (I,) have been changed, in place.
+def _open_necks(walls: Shapes, rows: IntArray, wide: Shapes, width_mm: FloatArray) -> IntArray:
+    """The rows (R,) of walls (I,) that are cut back, in place, to where they are `wide` (R,); not for sharp corners.
 
     Where both sides of a wall would be printed nearly on each other there is none: one line along the gap is as wide.
     """
-    least = _NARROWEST / 2 * width_mm[rows]
-    wide = offset(offset(walls[rows], -least), least + _APART_MM)
-    parts, owner = shapely.get_parts(shapely.difference(walls[rows], wide), return_index=True)
-    around, width = shapely.length(parts), width_mm[rows[owner]]
-    large = around > _LEAST_NECK * width
-    large |= (around > 2.0 * width) & (shapely.area(parts) < _FLAT * width * around)
-    changed = np.bincount(owner[large], minlength=len(rows)) > 0
-    necks = offset(gathered(parts[large], owner[large], len(rows))[changed], _APART_MM)
-    walls[rows[changed]] = shapely.difference(walls[rows[changed]], necks)
+    whole = walls[rows]
+    opened = polygonal(shapely.intersection(whole, wide))
+    lost_mm2, shorter_mm = shapely.area(whole) - shapely.area(opened), shapely.length(whole) - shapely.length(opened)
+    necks = (lost_mm2 > _TIP * width_mm**2) | (shorter_mm > 2.0 * width_mm)
+    necks |= shapely.get_num_geometries(opened) > shapely.get_num_geometries(whole)
+    changed: IntArray = rows[necks]
+    walls[changed] = opened[necks]
     return changed
+
+
+def polygonal(shapes: Shapes) -> Shapes:
+    """(N,) shapes, in place, without the lines and points where others only touch."""
+    mixed = shapely.get_type_id(shapes) == shapely.GeometryType.GEOMETRYCOLLECTION
+    mixed |= shapely.get_dimensions(shapes) < 2
+    shapes[mixed] = shapely.buffer(shapes[mixed], 0.0)
+    return shapes
 
 
 def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
