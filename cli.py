@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
@@ -12,10 +14,12 @@ from .commands import analyse, audit, build_table, demo, measure, plate, read_ph
 from .commands import print as print_command
 from .commands.terminal import file_size
 from .core.errors import PrintError
-from .core.files import OutputFiles, ended_by_signals
+from .core.files import OutputFiles, ended_by_signals, keep_inputs
 
 PROGRAM = "dualcolor"
 DONE, USER_ERROR, INTERRUPTED = 0, 1, 130
+READ = ("model", "images", "file", "photo", "texture", "settings", "simulated", "support_enforcer", "support_blocker")
+"""Arguments that name files to read."""
 
 
 class Command(Protocol):
@@ -61,6 +65,7 @@ def main(argv: Sequence[str]) -> int:
     command = args.command
     try:
         paths = command.outputs(args)
+        keep_inputs(paths.values(), _inputs(args))
         with ended_by_signals(), OutputFiles(paths.values()) as files:
             message = command.run(args, paths, files)
     except PrintError as problem:
@@ -71,16 +76,45 @@ def main(argv: Sequence[str]) -> int:
     except SystemExit as ended:  # by a signal; files are tidied
         return int(ended.code or USER_ERROR)
     written = [f"wrote {path} ({file_size(path.stat().st_size)})" for path in paths.values()]
-    print("\n".join([*message, *written]))
-    return DONE
+    return _say([*message, *written])
 
 
 def make_parser() -> argparse.ArgumentParser:
     """The arguments of all commands."""
-    parser = argparse.ArgumentParser(prog=PROGRAM, description="Print a picture on a shape with two filaments.")
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM,
+        description="Print a picture on a shape with two filaments.",
+        epilog=f"{PROGRAM} COMMAND --help explains a command. Exit status: 0 done, 1 an error that is told in one "
+        "sentence, 2 wrong usage, 130 stopped by Ctrl+C.",
+    )
+    parser.add_argument("--version", action="version", version=f"{PROGRAM} {_version()}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in COMMANDS:
         one = commands.add_parser(command.NAME, help=command.HELP)
         command.add_arguments(one)
         one.set_defaults(command=command)
     return parser
+
+
+def _inputs(args: argparse.Namespace) -> list[Path]:
+    """The files that are named to be read."""
+    values = [getattr(args, name, None) for name in READ]
+    named = [each for value in values for each in (value if isinstance(value, list) else [value])]
+    return [Path(each) for each in named if each is not None]
+
+
+def _say(lines: Sequence[str]) -> int:
+    """Print the result; who has stopped reading it, as `head` does, has not made the job fail."""
+    try:
+        print("\n".join(lines), flush=True)
+    except OSError as problem:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python complains again when it ends
+        if not isinstance(problem, BrokenPipeError):
+            print(f"error: the result cannot be shown: {problem.strerror}", file=sys.stderr)
+            return USER_ERROR
+    return DONE
+
+
+def _version() -> str:
+    manifest = Path(__file__).with_name("blender_manifest.toml")
+    return str(tomllib.loads(manifest.read_text(encoding="utf-8"))["version"])

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
+import os
+import signal
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -24,11 +26,27 @@ def load_package() -> ModuleType:
     return package
 
 
+def open_standard_streams() -> None:
+    """Give the process the standard streams that it was started without: a file opened later would take their place."""
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115  (None where there was no stream)
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+
+
 def main() -> int:
     """Run the command line."""
+    open_standard_streams()
+    interrupt = signal.getsignal(signal.SIGINT)
+    if interrupt is signal.default_int_handler:  # else it is ignored, as in a job in the background
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C while modules are imported: no traceback
     load_package()
     from dualcolor.cli import main as run
 
+    signal.signal(signal.SIGINT, interrupt)
     return int(run(sys.argv[1:]))
 
 

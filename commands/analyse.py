@@ -12,9 +12,9 @@ from ..core.errors import OutputError
 from ..core.files import OutputFiles, write_file
 from ..core.pictures.viewing import TURNTABLE, VIEWS, view_files
 from ..core.settings import PrintSettings
-from .arguments import add_settings, angle, chosen_outputs, chosen_settings, path_ending_in, positive
+from .arguments import add_settings, angle, chosen_outputs, chosen_settings, path_ending_in, positive, whole_number
 from .pictures import views
-from .terminal import Progress
+from .terminal import Progress, load_blender
 
 if TYPE_CHECKING:
     import bpy
@@ -45,20 +45,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                          f"sides instead of one: {', '.join(VIEWS)}")  # fmt: skip
     outputs.add_argument("--azimuth", type=angle, default=0.0, metavar="DEG", help="side of the model that is its "
                          "front in the pictures: 0 is -Y, 90 is +X (default: 0)")  # fmt: skip
-    outputs.add_argument("--pixels", type=_pixels, default=900, metavar="N", help="longer side of the pictures "
-                         "(default: 900)")  # fmt: skip
+    outputs.add_argument("--pixels", type=whole_number(100, 4000), default=900, metavar="N", help="longer side of "
+                         "the pictures (default: 900)")  # fmt: skip
 
 
 def outputs(args: argparse.Namespace) -> dict[str, Path]:
     """The files that are to be written: `report`, and `<picture> <view>` of each picture.
 
     Raises:
-        OutputError: a turntable is asked for.
+        OutputError: a turntable is asked for, or views of no picture.
     """
     if TURNTABLE in args.views:
         raise OutputError("an analysis has no turntable", "name sides by --views")
     paths = chosen_outputs(args, ("report",))
-    for name, path in chosen_outputs(args, PICTURES).items():
+    pictures = chosen_outputs(args, PICTURES)
+    if args.views and not pictures:
+        raise OutputError("--views says which pictures to take, but not of what", "name a file by --heatmap, "
+                          "--tracelines or --slopes")  # fmt: skip
+    for name, path in pictures.items():
         paths |= {f"{name} {view}": file for view, file in view_files(path, args.views).items()}
     return paths
 
@@ -70,6 +74,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         PrintError: the input cannot be printed, or its pattern has no seams to draw.
     """
     settings = chosen_settings(args)
+    load_blender()
     from ..bridge.quiet import quiet_stdout
     from ..core.analysis import figures
 
@@ -146,17 +151,6 @@ def _opened(args: argparse.Namespace) -> bpy.types.Object:
     if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
         unwrap(obj, args.unwrap)
     return obj
-
-
-def _pixels(text: str) -> int:
-    """A picture's size.
-
-    Raises:
-        argparse.ArgumentTypeError: it is not a whole number from 100 to 4000.
-    """
-    if not text.isdecimal() or not 100 <= int(text) <= 4000:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 100 to 4000")
-    return int(text)
 
 
 def _png(picture: object) -> bytes:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..core.settings import PrintSettings
 from ..core.settings.presets import preset_files, preset_values, read_settings
+from .terminal import load_blender
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +38,7 @@ def _own_presets(names: Sequence[str]) -> Path | None:
     """The folder of the user's own presets, if the names are not all those of the program's."""
     if set(names) <= set(preset_files()):
         return None
+    load_blender()
     from ..bridge.preset_folder import user_presets
 
     return user_presets()
@@ -71,6 +73,17 @@ def positive(text: str) -> float:
         number = math.nan
     if not (math.isfinite(number) and number > 0):
         raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
+    return number
+
+
+def whole_number(low: int, high: int) -> Callable[[str], int]:
+    """A kind of argument: whole numbers from `low` to `high`."""
+
+    def number(text: str) -> int:
+        if not text.isdecimal() or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {low} to {high}")
+        return int(text)
+
     return number
 
 

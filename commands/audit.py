@@ -12,14 +12,16 @@ from ..core.x3g.audit import audit
 from ..core.x3g.reader import read_x3g
 
 NAME = "audit"
+SUFFIXES = (".x3g", ".s3g")
 HELP = "look for faults in an X3G file before it is printed"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("file", type=Path, metavar="F.x3g", help="file of this program or of GPX")
-    parser.add_argument("--printer", choices=printer_names(), default="replicator_2x", help="that it is for (default: "
-                        "replicator_2x)")  # fmt: skip
+    readers = [name for name in printer_names() if printer_profile(name).marlin is None]
+    parser.add_argument("--printer", choices=readers, default="replicator_2x", help="printer that the file is for "
+                        "(default: replicator_2x)")  # fmt: skip
 
 
 def outputs(args: argparse.Namespace) -> dict[str, Path]:
@@ -33,9 +35,9 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     Raises:
         PrintError: something is, or the file cannot be read or is damaged.
     """
-    if args.file.suffix.lower() == ".gcode":
-        raise PrintError(f"{args.file.name} is G-code, and audit reads X3G", "name a file written by --x3g")
+    if args.file.suffix.lower() not in SUFFIXES:
+        raise PrintError(f"{args.file.name} is not an X3G file", "name a file written by --x3g")
     commands = read_x3g(read_print_file(args.file))
     if findings := audit(commands, printer_profile(args.printer)):
         raise PrintError(f"{args.file.name} must not be printed", "; ".join(findings))
-    return [f"{args.file.name}: {int(commands.moves.sum()):,} moves, no faults found"]
+    return [f"{args.file.name}: {int(commands.moves.sum()):,} moves, no faults found for {args.printer}"]

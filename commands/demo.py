@@ -9,7 +9,7 @@ from ..core.files import OutputFiles, make_folder
 from .arguments import add_settings, chosen_settings
 from .pictures import add_pictures, picture_options, picture_outputs
 from .produce import produce
-from .terminal import Progress, summary
+from .terminal import Progress, load_blender, summary
 
 NAME = "demo"
 HELP = "print a sample that the program makes itself: Suzanne in a calico coat"
@@ -42,6 +42,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         PrintError: a setting does not fit, or a file cannot be written.
     """
     settings = chosen_settings(args)
+    load_blender()
     from ..bridge.objects.sample import make_sample
     from ..bridge.quiet import quiet_stdout
 

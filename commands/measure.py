@@ -10,7 +10,7 @@ from ..core.calibration.sweep import BLOCKS, read_sweep, sweep_path, write_sweep
 from ..core.errors import CalibrationError
 from ..core.files import OutputFiles, make_folder
 from .arguments import add_settings, chosen_settings
-from .terminal import Progress
+from .terminal import Progress, load_blender
 
 NAME = "measure"
 HELP = "measure what tones look like on walls of several slopes, from several sides"
@@ -43,6 +43,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     Raises:
         PrintError: a setting does not fit, or the folder cannot be written or holds readings of other settings.
     """
+    load_blender()
     import bpy
 
     from ..bridge.measuring.gonioreflectometer import about, measure

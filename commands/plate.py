@@ -12,14 +12,15 @@ from ..core.pattern.modulation import PERIOD_LAYERS
 from ..core.pictures.match import PictureMatch
 from ..core.pictures.shapes import PictureShape, fitted, picture_plate
 from ..core.settings import PrintSettings
-from .arguments import add_settings, chosen_settings, positive
-from .terminal import Progress
+from .arguments import add_settings, chosen_settings, positive, whole_number
+from .terminal import Progress, load_blender
 
 NAME = "plate"
 HELP = "put pictures on plates, predict their prints in each pattern and measure how well they show the picture"
 PATTERNS = {"wave": "paper", "wave_offset": "waves_set_back", "offset": "set_back"}
 """The preset that each pattern is printed with."""
 TABLE = "plates"
+MOST_PIXELS = 50_000_000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,7 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         "stretching them from black to white")  # fmt: skip
     parser.add_argument("--mm-per-pixel", type=positive, default=0.05, metavar="MM", help="of the photographs "
                         "(default: 0.05)")  # fmt: skip
-    parser.add_argument("--samples", type=_count, default=4, metavar="N", help="rays a pixel (default: 4)")
+    parser.add_argument(
+        "--samples", type=whole_number(1, 4096), default=4, metavar="N", help="rays a pixel (default: 4)"
+    )
     parser.add_argument("--gcode", action="store_true", help="write the plates' G-code too")
     add_settings(parser)
 
@@ -68,6 +71,11 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     widest = 2 * settings.wavelength  # that a wave can be
     if min(plate.size[0] / widest, plate.size[1] / (PERIOD_LAYERS * settings.layer_height)) < 3:
         raise SettingsError("the plate is smaller than three periods of the pattern", "make it larger")
+    if (pixels := plate.size[0] * plate.size[1] / args.mm_per_pixel**2) > MOST_PIXELS:
+        raise SettingsError(f"a photograph would have {pixels / 1e6:,.0f} million pixels", "raise --mm-per-pixel")
+    if args.mm_per_pixel > settings.layer_height:
+        raise SettingsError("a pixel of the photographs is higher than a layer", "lower --mm-per-pixel")
+    load_blender()
     rows: list[tuple[str, str, PictureMatch]] = []
     with Progress() as progress:
         for number, image in enumerate(args.images):
@@ -154,9 +162,3 @@ def _patterns(text: str) -> tuple[str, ...]:
     if not set(names) <= set(PATTERNS) or len(set(names)) < len(names):
         raise argparse.ArgumentTypeError(f"{text!r} is not some of {','.join(PATTERNS)}")
     return names
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number above zero")
-    return int(text)

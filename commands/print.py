@@ -9,8 +9,8 @@ from ..core.files import OutputFiles
 from ..core.model import SupportMark
 from .arguments import add_settings, chosen_settings, positive
 from .pictures import picture_options
-from .produce import add_outputs, named_outputs, produce
-from .terminal import summary
+from .produce import NOTHING, add_outputs, named_outputs, produce
+from .terminal import load_blender, summary
 
 NAME = "print"
 HELP = "turn a textured model into a dual-colour print"
@@ -55,6 +55,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     settings = chosen_settings(args)
     if args.arrange:
         settings = settings.changed({"arrange": True})
+    load_blender()
     from ..bridge.input.image_input import load_image
     from ..bridge.input.marker_file import open_marker
     from ..bridge.input.model_file import open_models
@@ -69,4 +70,5 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         named = {SupportMark.ENFORCER: args.support_enforcer, SupportMark.BLOCKER: args.support_blocker}
         markers = [(open_marker(name, obj, args.up), mark) for mark, names in named.items() for name in names]
         image = load_image(args.texture) if args.texture else None
-    return summary(produce(obj, image, settings, paths, files, picture_options(args), others, markers))
+    lines = summary(produce(obj, image, settings, paths, files, picture_options(args), others, markers))
+    return lines if paths else [*lines, NOTHING]

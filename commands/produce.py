@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..core.files import OutputFiles, write_file
+from ..core.files import OutputFiles, keep_inputs, write_file
 from ..core.pictures.viewing import PictureOptions
 from ..core.progress import drained
 from ..core.settings import PrintSettings
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ..core.model import SupportMark, SurfaceModel
     from ..core.pipeline import DualColorPrint
 
+NOTHING = "nothing is written: name the files that you want by --x3g, --gcode, --render, …"
 OUTPUTS = ("gcode", "x3g", "blend", "mesh", "report", "dump", "save_settings")
 
 
@@ -84,6 +85,7 @@ def produce(
     from ..bridge.strands.preview import build_preview
     from ..core import pipeline
 
+    keep_inputs(paths.values(), _files_read(settings))
     objects = [obj, *others]
     model = plate_model(objects, bpy.context.evaluated_depsgraph_get(), settings, [image] * len(objects), markers)
     with Progress() as progress:
@@ -126,6 +128,14 @@ def save_strands(
     if views or sheet:
         steps = picture_steps(strands, views, pictures, sheet, model, settings.background_tone)
         drained(steps, lambda step: progress.show(*step))
+
+
+def _files_read(settings: PrintSettings) -> list[Path]:
+    """The files of the scene's pictures, and the tone table."""
+    import bpy
+
+    pictures = [bpy.path.abspath(image.filepath) for image in bpy.data.images if image.filepath]
+    return [Path(name) for name in [*pictures, settings.calibration_file] if name]
 
 
 def _write(

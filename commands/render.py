@@ -9,7 +9,7 @@ from ..core.files import OutputFiles
 from .arguments import chosen_outputs, path_ending_in
 from .pictures import add_pictures, picture_options, picture_outputs
 from .produce import save_strands
-from .terminal import Progress
+from .terminal import Progress, load_blender
 
 NAME = "render"
 HELP = "show the print in a G-code or X3G file"
@@ -40,6 +40,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     Raises:
         PrintError: the file is not one for this printer, or an output cannot be written.
     """
+    load_blender()
     import bpy
 
     from ..bridge.quiet import quiet_stdout

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 from typing import TYPE_CHECKING
 
 from ..core.errors import counted
@@ -30,6 +32,25 @@ class Progress:
     def _write(self, text: str) -> None:
         if self._shown:
             print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def load_blender() -> None:
+    """Import Blender's module, which takes a second; a signal meanwhile ends the program, as nothing is begun yet.
+
+    Blender's own start swallows the exceptions that signals raise and goes on, broken.
+    """
+    if "bpy" in sys.modules or threading.current_thread() is not threading.main_thread():
+        return
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    former = {number: signal.getsignal(number) for number in numbers}
+    former = {number: handler for number, handler in former.items() if callable(handler)}  # others are not Python's
+    for number in former:
+        signal.signal(number, signal.SIG_DFL)
+    try:
+        import bpy  # noqa: F401
+    finally:
+        for number, handler in former.items():
+            signal.signal(number, handler)
 
 
 def summary(result: DualColorPrint) -> list[str]:

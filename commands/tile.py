@@ -9,8 +9,8 @@ from ..core.calibration.step_wedge import wedge_settings
 from ..core.files import OutputFiles
 from .arguments import add_settings, chosen_settings
 from .pictures import picture_options
-from .produce import add_outputs, named_outputs, produce
-from .terminal import summary
+from .produce import NOTHING, add_outputs, named_outputs, produce
+from .terminal import load_blender, summary
 
 NAME = "tile"
 HELP = "print the calibration tile, whose photograph dualcolor read-photo turns into a tone table"
@@ -34,6 +34,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         PrintError: a setting does not fit, or a file cannot be written.
     """
     settings = wedge_settings(chosen_settings(args))
+    load_blender()
     import bpy
 
     from ..bridge.objects.calibration_tile import tile_object
@@ -44,4 +45,5 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         bpy.ops.wm.read_factory_settings(use_empty=True)
         use_millimetres(bpy.context.scene)
         obj = tile_object(settings)
-    return summary(produce(obj, None, settings, paths, files, picture_options(args)))
+    lines = summary(produce(obj, None, settings, paths, files, picture_options(args)))
+    return lines if paths else [*lines, NOTHING]

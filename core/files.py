@@ -163,15 +163,16 @@ class OutputFiles:
 @contextmanager
 def ended_by_signals() -> Iterator[None]:
     """Within the block a request to end (SIGTERM, SIGHUP) unwinds the stack as Ctrl+C does, so files are removed."""
-    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
     if threading.current_thread() is not threading.main_thread():
-        names = []  # only there can handlers be set
-    former = {name: signal.signal(getattr(signal, name), _unwind) for name in names}
+        numbers = []  # only there can handlers be set
+    heeded = [number for number in numbers if signal.getsignal(number) is not signal.SIG_IGN]  # nohup ignores SIGHUP
+    former = {number: signal.signal(number, _unwind) for number in heeded}
     try:
         yield
     finally:
-        for name, handler in former.items():
-            signal.signal(getattr(signal, name), handler)
+        for number, handler in former.items():
+            signal.signal(number, handler)
 
 
 def _unwind(number: int, _frame: FrameType | None) -> None:
@@ -187,7 +188,20 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
-        raise OutputError(f"the folder {path} cannot be made", problem.strerror or "") from None
+        hint = "a file has that name" if isinstance(problem, FileExistsError) else problem.strerror or ""
+        raise OutputError(f"the folder {path} cannot be made", hint) from None
+
+
+def keep_inputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Make sure that no output takes the place of a file that the job reads.
+
+    Raises:
+        OutputError: one would.
+    """
+    read = [path for path in inputs if path.is_file()]
+    for output in outputs:
+        if output.is_file() and any(output.samefile(path) for path in read):
+            raise OutputError(f"{output} is read by this job and would be lost", "write to another file")
 
 
 def _is_device(path: Path) -> bool:

@@ -90,7 +90,9 @@ def test_the_command_writes_sheets_and_tables(tmp_path, capsys):
         (["missing.png"], 1, "cannot be read"),
         (["missing.png", "--width", "3"], 1, "smaller than three periods"),
         (["missing.png", "--patterns", "wave,dots"], 2, "is not some of"),
-        (["missing.png", "--samples", "0"], 2, "whole number above zero"),
+        (["missing.png", "--samples", "0"], 2, "whole number from 1 to 4096"),
+        (["missing.png", "--mm-per-pixel", "1e-9"], 1, "million pixels: raise --mm-per-pixel"),
+        (["missing.png", "--mm-per-pixel", "0.5"], 1, "higher than a layer"),
         ([], 2, "IMAGE"),
     ],
 )

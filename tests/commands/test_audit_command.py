@@ -23,7 +23,7 @@ def test_good_bad_and_missing_files(tmp_path, capsys):
     assert main(["audit", str(tmp_path / "missing.x3g")]) == 1
     assert "cannot be read" in capsys.readouterr().err
     assert main(["audit", str(tmp_path / "print.gcode")]) == 1
-    assert "audit reads X3G" in capsys.readouterr().err
+    assert "print.gcode is not an X3G file" in capsys.readouterr().err
 
 
 def test_the_printer_is_chosen(tmp_path):

@@ -153,7 +153,49 @@ def test_unwritable_outputs_are_refused_before_the_work(box, tmp_path, refused, 
     assert "there is no folder" in refused("print", box, "--report", report, "--gcode", tmp_path / "no" / "x.gcode")
     assert "it is a folder" in refused("print", box, "--report", report, "--gcode", tmp_path)
     assert "two outputs" in refused("print", box, "--report", report, "--gcode", report)
-    assert "cannot be made" in refused("demo", "--out", box)
+    assert "cannot be made: a file has that name" in refused("demo", "--out", box)
+    assert "take, but not of what" in refused("analyse", box, "--views", "front")
+
+
+@pytest.mark.parametrize("kind", ["--gcode", "--report", "--save-settings", "--mesh"])
+def test_no_output_takes_the_place_of_a_file_that_is_read(box, tmp_path, refused, kind):
+    assert "box.obj is read by this job and would be lost" in refused("print", box, *FAST, kind, box)
+    link = tmp_path / "link.obj"
+    link.hardlink_to(box)
+    assert "would be lost" in refused("print", box, *FAST, kind, link)
+    settings = tmp_path / "settings.json"
+    settings.write_text("{}")
+    assert "would be lost" in refused("print", box, "--settings", settings, "--report", settings)
+
+
+def test_a_model_keeps_its_pictures_and_a_print_its_tone_table(box, tmp_path, refused):
+    picture = bpy.data.images.new("spots", 4, 4)
+    picture.filepath_raw, picture.file_format = str(tmp_path / "spots.png"), "PNG"
+    picture.save()
+    (tmp_path / "box.mtl").write_text("newmtl spots\nmap_Kd spots.png\n")
+    box.write_text("mtllib box.mtl\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" + OPEN_BOX.split("f ")[0] + "usemtl spots\n")
+    with box.open("a") as file:
+        for line in (OPEN_BOX + SIDE).splitlines():
+            if line.startswith("f"):
+                corners = " ".join(f"{corner}/{at}" for at, corner in enumerate(line.split()[1:], start=1))
+                file.write(f"f {corners}\n")
+    assert "spots.png is read by this job" in refused("print", box, *FAST, "--render", tmp_path / "spots.png")
+    table = tmp_path / "table.json"
+    table.write_bytes((ROOT / "presets/calibration/offset/set_back_fine.json").read_bytes())
+    own = ["--set", "calibration=file", "--set", f"calibration_file={table}"]
+    assert "table.json is read by this job" in refused("print", box, *FAST, *own, "--report", table)
+
+
+def test_without_an_output_it_says_so(box, capfd):
+    assert cli.main(["print", str(box), *FAST]) == 0
+    assert "nothing is written: name the files" in capfd.readouterr().out
+    assert cli.main(["tile", *FAST]) == 0
+    assert "nothing is written: name the files" in capfd.readouterr().out
+
+
+def test_the_version_is_that_of_the_extension(capfd):
+    assert cli.main(["--version"]) == 0
+    assert f'version = "{capfd.readouterr().out.split()[-1]}"' in (ROOT / "blender_manifest.toml").read_text()
 
 
 def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypatch):
@@ -183,6 +225,9 @@ def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypa
         ["print", "x.obj", "--dump", "x"],
         ["print", "x.obj", "--gcode", "x.x3g"],
         ["print", "x.obj", "--x3g", "x.gcode"],
+        ["audit", "x.x3g", "--printer", "marlin_dual"],
+        ["plate", "x.png", "--samples", "1000000000"],
+        ["analyse", "x.obj", "--pixels", "5"],
     ],
 )
 def test_wrong_usage_is_status_2(arguments, capfd):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import OutputError, PrintError
 from dualcolor.core.exports import export_gcode
-from dualcolor.core.files import OutputFiles
+from dualcolor.core.files import OutputFiles, ended_by_signals
 from dualcolor.core.pipeline import generate, steps
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.solids import box, cylinder, picture
@@ -81,6 +81,16 @@ def test_a_killed_job_tidies_up(tmp_path, number):
         job.send_signal(getattr(signal, number))
         assert job.wait(30) != 0
     assert os.listdir(tmp_path) == ["a.gcode"] and (tmp_path / "a.gcode").read_text() == "kept"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such signal")
+def test_a_job_that_was_told_to_outlive_its_terminal_does():
+    former = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
+    try:
+        with ended_by_signals():
+            signal.raise_signal(signal.SIGHUP)
+    finally:
+        signal.signal(signal.SIGHUP, former)
 
 
 @pytest.mark.parametrize(
