@@ -5,7 +5,7 @@
 # make test-bpy: the same with another version of Blender's module, BPY=4.5.15 for example
 # make package: the extension for Blender, in dist/
 # make fuzz: damaged files for all readers, SECONDS each
-# make benchmark: against a single-colour slicer, where one is installed
+# make benchmark: against a single-color slicer, where one is installed
 .DELETE_ON_ERROR:
 .PHONY: demo test test-gui test-blender test-bpy package benchmark fuzz environment lint clean
 

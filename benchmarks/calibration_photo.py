@@ -124,7 +124,7 @@ def errors(path: Path, settings: PrintSettings) -> tuple[np.ndarray, float, list
 
 
 def _add_wall(scene: bpy.types.Scene, thickness: float) -> None:
-    """Grey paper behind the tile."""
+    """Gray paper behind the tile."""
     mesh = bpy.data.meshes.new("wall")
     mesh.from_pydata([(-500, thickness, -500), (500, thickness, -500), (500, thickness, 500), (-500, thickness, 500)],
                      [], [(0, 1, 2, 3)])  # fmt: skip

@@ -156,12 +156,12 @@ def svg(boxes: list[Box], width: int, name: str, seconds: float) -> str:
         label = f'<text x="{left + 2:.1f}" y="{top + TEXT + 1}">{escape(shown)}</text>' if len(shown) > 2 else ""
         lines.append(
             f'<g><title>{escape(title)}</title><rect x="{left:.1f}" y="{top}" width="{max(across - 0.5, 0.5):.1f}" '
-            f'height="{ROW - 1}" fill="{_colour(text, title)}"/>{label}</g>'
+            f'height="{ROW - 1}" fill="{_color(text, title)}"/>{label}</g>'
         )
     return "\n".join([*lines, "</svg>", ""])
 
 
-def _colour(text: str, title: str) -> str:
+def _color(text: str, title: str) -> str:
     """Warm for our own functions, blue for libraries; the same for the same name."""
     shade = zlib.crc32(text.encode()) % 40
     if text == "job" or "core/" in title or "benchmarks/" in title:

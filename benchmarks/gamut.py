@@ -96,8 +96,8 @@ def measured(settings: PrintSettings) -> tuple[float, float, float, float]:
     for tone in TONES:
         tile = step_tile(0.0, settings.layer_height, np.array([tone, tone]))
         result = generate(tile.model, bare(settings))
-        centre = (result.mesh.bounds[0] + tile.centre).tolist()
-        face = Face((centre[0], centre[1], centre[2]), 9.6, tile.height)
+        center = (result.mesh.bounds[0] + tile.center).tolist()
+        face = Face((center[0], center[1], center[2]), 9.6, tile.height)
         with mounted(result.moves, result.settings, face) as stand:
             picture = stand.photograph(mm_per_pixel=MM_PER_PIXEL, samples=SAMPLES).astype(np.float64)
         seen.append(float(picture.mean()))
@@ -109,7 +109,7 @@ def measured(settings: PrintSettings) -> tuple[float, float, float, float]:
 def stands_out(moves: Moves, face: Face) -> float:
     """Most that the middle of a strand of the face lies outside what is below it, mm."""
     laid = settled(strands(moves), 0.0)
-    off = np.abs(laid.points - np.array(face.centre))
+    off = np.abs(laid.points - np.array(face.center))
     near = (off[:, 0] < face.width / 2) & (off[:, 1] < 2.0) & (off[:, 2] < face.height / 2)
     wall = np.repeat(laid.feature == Feature.OUTER_WALL, np.diff(laid.start))
     return float(laid.unsupported[near & wall].max(initial=0.0))
@@ -125,7 +125,7 @@ def contrast_left(picture: np.ndarray, mm: float) -> float:
 
 
 def time_ratio(settings: PrintSettings) -> float:
-    """Of two colours against one, for a cylinder 30 mm wide and 10 mm high."""
+    """Of two colors against one, for a cylinder 30 mm wide and 10 mm high."""
     turn = np.linspace(0.0, 2 * np.pi, 180, endpoint=False)
     ring = np.stack([15 * np.cos(turn), 15 * np.sin(turn)], axis=1)
     vertices = np.concatenate([np.column_stack([ring, np.full(180, z)]) for z in (0.0, 10.0)])

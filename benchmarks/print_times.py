@@ -1,4 +1,4 @@
-"""How much longer two colours take than one: the paper's table of print times, by the model of the printer's planner.
+"""How much longer two colors take than one: the paper's table of print times, by the model of the printer's planner.
 
     python benchmarks/print_times.py [--data FOLDER] [--out FILE] [--set KEY=VALUE ...]
 
@@ -38,7 +38,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
 }
 SPOT_MM = 20.0
 HEAD = (
-    "| object | settings | layers | single colour | dual colour | ratio | with tower | ratio "
+    "| object | settings | layers | single color | dual color | ratio | with tower | ratio "
     "| waved wall | tool changes |\n"
     "|---|---|---|---|---|---|---|---|---|---|\n"
 )
@@ -46,7 +46,7 @@ HEAD = (
 
 def main() -> int:
     """Measure all objects that are there and write the table."""
-    parser = argparse.ArgumentParser(description="Compare print times in two colours and in one.")
+    parser = argparse.ArgumentParser(description="Compare print times in two colors and in one.")
     parser.add_argument("--data", type=Path, default=DATA, metavar="FOLDER", help="holds meshes/nc/*.obj")
     parser.add_argument("--out", type=Path, default=OUT, metavar="FILE", help="Markdown file whose table is replaced")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a setting for all rows")

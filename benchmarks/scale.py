@@ -71,7 +71,7 @@ def measured(name: str) -> dict[str, Any]:
     return {
         "triangles": len(result.mesh.faces),
         "layers": result.report["layers"],
-        "outline_m": outline_metres(lines),
+        "outline_m": outline_meters(lines),
         "moves": result.report["gcode"]["moves"],
         "wall_s": wall,
         "cpu_s": now.user + now.system - cpu.user - cpu.system,
@@ -80,7 +80,7 @@ def measured(name: str) -> dict[str, Any]:
     }
 
 
-def outline_metres(lines: Any) -> float:
+def outline_meters(lines: Any) -> float:
     """Length of the outlines of all layers together, which is layers times the outline of one."""
     import numpy as np
     from dualcolor.core.ragged import following
@@ -206,12 +206,12 @@ def plotted(ladder: list[dict[str, Any]], path: Path) -> None:
         draw.line([(left, y), (right, y)], "#dddddd")
         draw.text((left - 8, y), f"{10.0**power:g}", "black", font, anchor="rm")
     found = slopes(ladder, _UPPER)
-    for key, colour, title in (("cpu_s", "#b03020", "CPU seconds"), ("peak_mb", "#2050a0", "MB held")):
+    for key, color, title in (("cpu_s", "#b03020", "CPU seconds"), ("peak_mb", "#2050a0", "MB held")):
         line = [at(each["outline_m"], each[key]) for each in dots]
-        draw.line(line, colour, 3)
+        draw.line(line, color, 3)
         for x, y in line:
-            draw.ellipse([x - 5, y - 5, x + 5, y + 5], colour)
-        draw.text((line[-1][0] - 10, line[-1][1] - 22), f"{title}, slope {found[key]:.2f}", colour, font, anchor="rm")
+            draw.ellipse([x - 5, y - 5, x + 5, y + 5], color)
+        draw.text((line[-1][0] - 10, line[-1][1] - 22), f"{title}, slope {found[key]:.2f}", color, font, anchor="rm")
     draw.text(((left + right) / 2, height - 14), "outline length of all layers together", "black", font, anchor="mm")
     path.parent.mkdir(parents=True, exist_ok=True)
     image.save(path, optimize=True)

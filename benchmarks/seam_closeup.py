@@ -2,7 +2,7 @@
 
     python benchmarks/seam_closeup.py [MESH] [--height-mm H] [--out FILE]
 
-Prints a vase, or another model, in mid-grey with the preset `paper`, once with each sampling, and photographs the
+Prints a vase, or another model, in mid-gray with the preset `paper`, once with each sampling, and photographs the
 prediction: the most visible dislocation of the paper's sampling, the same place with ours, and the most visible one
 that ours has left.
 """
@@ -67,8 +67,8 @@ def main() -> int:
     ours = plain.changed({"sampling": "optimized"})
     before, after = worst(analyse(model, plain)), worst(analyse(model, ours))
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    views = [("the paper's sampling", plain, before), ("optimised, same place", ours, before)]
-    views.append(("optimised, its most visible seam", ours, after))
+    views = [("the paper's sampling", plain, before), ("optimized, same place", ours, before)]
+    views.append(("optimized, its most visible seam", ours, after))
     page(model, views).save(args.out, optimize=True)
     return 0
 

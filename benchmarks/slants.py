@@ -80,8 +80,8 @@ def photographs(slant: float, settings: PrintSettings, sign: float, phis: tuple[
     """The object seen from some angles above its face, foreshortening undone."""
     result = generate(leaning_slab(SIZE_MM, SIZE_MM, slant, stripes(sign), f"Slant {slant}"), settings)
     up, back = math.cos(math.radians(slant)), math.sin(math.radians(slant))
-    centre = result.mesh.bounds[0] + np.array([SIZE_MM / 2, SIZE_MM / 2 * back, SIZE_MM / 2 * up])
-    face = Face((float(centre[0]), float(centre[1]), float(centre[2])), SIZE_MM, SIZE_MM, slant)
+    center = result.mesh.bounds[0] + np.array([SIZE_MM / 2, SIZE_MM / 2 * back, SIZE_MM / 2 * up])
+    face = Face((float(center[0]), float(center[1]), float(center[2])), SIZE_MM, SIZE_MM, slant)
     with mounted(result.moves, settings, face) as stand:
         taken = [stand.photograph(phi_deg=phi, mm_per_pixel=MM_PER_PIXEL, samples=SAMPLES) for phi in phis]
     return [picture.astype(np.float64) for picture in taken]
@@ -124,7 +124,7 @@ def drawn(views: list[tuple[np.ndarray, np.ndarray]], finest: list[float]) -> Im
 
 
 def as_image(picture: np.ndarray) -> Image.Image:
-    """Linear reflectance as grey."""
+    """Linear reflectance as gray."""
     encoded = srgb_from_linear(np.nan_to_num(picture, nan=EXPOSURE) / EXPOSURE)
     return Image.fromarray(np.rint(encoded * 255).astype(np.uint8))
 

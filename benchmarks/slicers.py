@@ -1,10 +1,10 @@
-"""How fast the dual-colour job is beside common slicers that print the same shape in one colour.
+"""How fast the dual-color job is beside common slicers that print the same shape in one color.
 
     python benchmarks/slicers.py [--repeat N] [--model NAME] [--data FOLDER] [--cura-definitions FOLDER] [--supports]
                                  [--json FILE] [--write]
 
-Ours: from mesh arrays in memory to a written G-code file, textured, two colours. The others, PrusaSlicer and
-CuraEngine: from an STL file to a written G-code file, in one colour, with the same layers, walls, skins, infill and
+Ours: from mesh arrays in memory to a written G-code file, textured, two colors. The others, PrusaSlicer and
+CuraEngine: from an STL file to a written G-code file, in one color, with the same layers, walls, skins, infill and
 skirt. They run in turns, each in a process of its own. What is not installed is left out, as are models whose files are
 not there.
 """
@@ -88,7 +88,7 @@ Runs = dict[str, list[Run]]
 
 def main() -> int:
     """Measure the models asked for and print the tables."""
-    parser = argparse.ArgumentParser(description="Compare the dual-colour job with slicers that print in one colour.")
+    parser = argparse.ArgumentParser(description="Compare the dual-color job with slicers that print in one color.")
     parser.add_argument("--repeat", type=int, default=5, metavar="N", help="repetitions (default: 5)")
     parser.add_argument("--model", choices=tuple(MODELS), action="append", help="only this model; repeatable")
     parser.add_argument("--data", type=Path, default=DATA, metavar="FOLDER", help="holds meshes/")

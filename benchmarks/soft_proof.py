@@ -27,7 +27,7 @@ from dualcolor.bridge.pictures.picture_print import picture_print  # noqa: E402
 from dualcolor.bridge.proof.proof_picture import proof_picture  # noqa: E402
 from dualcolor.bridge.proof.soft_proof import show_proof  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
-from dualcolor.bridge.units import use_millimetres  # noqa: E402
+from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.core.model import FloatArray, ToneImage  # noqa: E402
 from dualcolor.core.pattern.modulation import PERIOD_LAYERS  # noqa: E402
 from dualcolor.core.pictures.match import averaged, correlation, in_pixels  # noqa: E402
@@ -64,7 +64,7 @@ def compared(image: Path, title: str, presets: list[str]) -> list[FloatArray]:
     settings = PrintSettings().changed(preset_values(presets))
     plate = picture_plate(WIDTH_MM, HEIGHT_MM, THICKNESS_MM, settings)
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    use_millimetres(bpy.context.scene)
+    use_millimeters(bpy.context.scene)
     with quiet_stdout():
         picture = fitted(image_tone(load_image(image)), plate, auto_contrast=True)
         made = picture_print(picture, plate, settings, image.stem, MM_PER_PIXEL, SAMPLES)
@@ -92,7 +92,7 @@ def proof_of(plate: PictureShape, picture: ToneImage, settings: PrintSettings) -
 
 
 def side_by_side(pictures: list[FloatArray]) -> np.ndarray:
-    """Linear pictures as grey pixels, half of the light of a white sheet being white."""
+    """Linear pictures as gray pixels, half of the light of a white sheet being white."""
     height = pictures[0].shape[0] + GAP
     page = np.full((height, sum(picture.shape[1] + GAP for picture in pictures)), 255, dtype=np.uint8)
     left = 0

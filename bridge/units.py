@@ -1,28 +1,28 @@
-"""Scene units and millimetres: the only place where one becomes the other."""
+"""Scene units and millimeters: the only place where one becomes the other."""
 
 from __future__ import annotations
 
 import bpy
 
-MM_PER_METRE = 1000.0
+MM_PER_METER = 1000.0
 
 LENGTH_DIGITS = 4
 """Precision of a length property: for properties with a unit Blender takes it as digits, not decimals."""
 
 
 def mm_per_unit(scene: bpy.types.Scene) -> float:
-    """Millimetres in one unit of the scene's coordinates.
+    """Millimeters in one unit of the scene's coordinates.
 
-    A unit is `scale_length` metres. A scene without a unit system has plain numbers, which are read as mm, as
+    A unit is `scale_length` meters. A scene without a unit system has plain numbers, which are read as mm, as
     slicers read a mesh file.
     """
     units = scene.unit_settings
     if units.system == "NONE":
         return 1.0
-    return float(f"{MM_PER_METRE * units.scale_length:.6g}")  # Blender holds 0.001 as 0.00100000005
+    return float(f"{MM_PER_METER * units.scale_length:.6g}")  # Blender holds 0.001 as 0.00100000005
 
 
-def use_millimetres(scene: bpy.types.Scene) -> None:
-    """Make one unit of a scene one millimetre, and show lengths that way."""
+def use_millimeters(scene: bpy.types.Scene) -> None:
+    """Make one unit of a scene one millimeter, and show lengths that way."""
     units = scene.unit_settings
-    units.system, units.scale_length, units.length_unit = "METRIC", 1.0 / MM_PER_METRE, "MILLIMETERS"
+    units.system, units.scale_length, units.length_unit = "METRIC", 1.0 / MM_PER_METER, "MILLIMETERS"

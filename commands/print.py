@@ -1,4 +1,4 @@
-"""`dualcolor print`: turn a textured model into a dual-colour print."""
+"""`dualcolor print`: turn a textured model into a dual-color print."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .produce import NOTHING, add_outputs, named_outputs, produce
 from .terminal import load_blender, summary
 
 NAME = "print"
-HELP = "turn a textured model into a dual-colour print"
+HELP = "turn a textured model into a dual-color print"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -72,7 +72,7 @@ def summary(result: DualColorPrint) -> list[str]:
 
 
 def _solid_regions(solid: dict[str, float]) -> str:
-    """How much is printed in one colour, and what that costs."""
+    """How much is printed in one color, and what that costs."""
     minutes = (solid["outline_time_s"] + solid["tool_change_time_s"]) / 60
     return (
         f"solid regions: {solid['regions']}, {solid['black_mm2']:.0f} mm² black, {solid['white_mm2']:.0f} mm² white; "

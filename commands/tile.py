@@ -39,11 +39,11 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
 
     from ..bridge.objects.calibration_tile import tile_object
     from ..bridge.quiet import quiet_stdout
-    from ..bridge.units import use_millimetres
+    from ..bridge.units import use_millimeters
 
     with quiet_stdout():
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        use_millimetres(bpy.context.scene)
+        use_millimeters(bpy.context.scene)
         obj = tile_object(settings)
     lines = summary(produce(obj, None, settings, paths, files, picture_options(args)))
     return lines if paths else [*lines, NOTHING]

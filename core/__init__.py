@@ -1,1 +1,1 @@
-"""Dual-colour slicing without Blender: numpy, shapely and Pillow only, never bpy."""
+"""Dual-color slicing without Blender: numpy, shapely and Pillow only, never bpy."""

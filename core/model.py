@@ -1,4 +1,4 @@
-"""The job's input: a polygon mesh in millimetres with its UVs, tones and textures."""
+"""The job's input: a polygon mesh in millimeters with its UVs, tones and textures."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class SurfaceModel:
         polygon_start: (P + 1,) int64, where each polygon's corners start.
         corner_vertex: (C,) int64, vertex of each corner.
         corner_uv: (C, 2) float64, or None where the mesh has no UV map.
-        corner_tone: (C,) float64 tone from a colour attribute (background blended in), or None.
+        corner_tone: (C,) float64 tone from a color attribute (background blended in), or None.
         polygon_texture: (P,) int64 index into `textures`, -1 where a polygon has none.
         textures: the pictures.
         name: of the object, for headers and messages.
@@ -122,7 +122,7 @@ class TriangleMesh:
         vertices: (V, 3) float64 mm, on the bed, Z up, no two at the same place.
         faces: (F, 3) int64, no face uses a vertex twice.
         face_uv: (F, 3, 2) float64 UV of each corner (zeros without a UV map).
-        face_tone: (F, 3) float64 tone of each corner from a colour attribute, NaN where there is none.
+        face_tone: (F, 3) float64 tone of each corner from a color attribute, NaN where there is none.
         face_texture: (F,) int64 index of the texture, -1 for none.
         face_object: (F,) int64 index of the object on the plate, or None for a single object.
         face_support: (F,) int64, a `SupportMark` of each, or None where there is none.

@@ -10,7 +10,7 @@ import numpy as np
 
 from .model import FloatArray, IntArray
 
-_SUMMABLE = float(1 << 26)  # parts of a millimetre
+_SUMMABLE = float(1 << 26)  # parts of a millimeter
 
 
 def starts(count: IntArray) -> IntArray:

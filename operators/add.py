@@ -24,7 +24,7 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr", ".tga", ".
 PLATE_BRIM_MM = 5.0  # a thin plate that stands upright needs a foot
 
 
-def _millimetres(name: str, default: float, description: str, low: float = 0.5, high: float = 200.0) -> Any:
+def _millimeters(name: str, default: float, description: str, low: float = 0.5, high: float = 200.0) -> Any:
     """A length; shown in mm in every scene, for which camera lenses have the only such unit."""
     return bpy.props.FloatProperty(
         name=name, default=default, description=description, min=low, max=high, unit="CAMERA", precision=LENGTH_DIGITS
@@ -73,7 +73,7 @@ class _AddPicture(ImportHelper):
         raise NotImplementedError
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Add the object, and show it; a scene without anything else to print becomes one in millimetres."""
+        """Add the object, and show it; a scene without anything else to print becomes one in millimeters."""
         path = Path(bpy.path.abspath(self.filepath))
         settings = PrintSettings(texture_filter="lanczos", brim_width=self.brim_width)
         try:
@@ -100,13 +100,13 @@ class DUALCOLOR_OT_add_plate(_AddPicture, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
     label = "Plate"
     brim_width = PLATE_BRIM_MM
-    height: _millimetres("Height", 35.5, "Height of the picture; made a whole number of layer pairs", high=150.0)
+    height: _millimeters("Height", 35.5, "Height of the picture; made a whole number of layer pairs", high=150.0)
     crop: bpy.props.BoolProperty(
         name="Crop", description="Cut the picture to the given width about its middle; otherwise all of it is shown"
     )
-    width: _millimetres("Width", 30.0, "Width of the picture if it is cut; made a whole number of texels")
-    thickness: _millimetres("Thickness", 2.0, "Thickness of the plate", low=0.8, high=50.0)
-    frame: _millimetres("Frame", 0.0, "Width of a frame of one tone around the picture", low=0.0, high=50.0)
+    width: _millimeters("Width", 30.0, "Width of the picture if it is cut; made a whole number of texels")
+    thickness: _millimeters("Thickness", 2.0, "Thickness of the plate", low=0.8, high=50.0)
+    frame: _millimeters("Frame", 0.0, "Width of a frame of one tone around the picture", low=0.0, high=50.0)
     frame_tone: bpy.props.FloatProperty(
         name="Frame Tone", description="Tone of the frame: 0 is black, 1 is white", default=1.0, min=0.0, max=1.0
     )
@@ -140,9 +140,9 @@ class DUALCOLOR_OT_add_cylinder(_AddPicture, bpy.types.Operator):
     bl_label = "Image Cylinder"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
     label = "Cylinder"
-    diameter: _millimetres("Diameter", 30.0, "Diameter of the cylinder", low=4.0, high=140.0)
+    diameter: _millimeters("Diameter", 30.0, "Diameter of the cylinder", low=4.0, high=140.0)
     crop: _CROP_TO_HEIGHT
-    height: _millimetres("Height", 40.0, "Height if the picture is cut; made a whole number of layer pairs", high=150.0)
+    height: _millimeters("Height", 40.0, "Height if the picture is cut; made a whole number of layer pairs", high=150.0)
 
     def shape(self, settings: PrintSettings, proportions: float) -> PictureShape:
         """The solid cylinder."""
@@ -157,11 +157,11 @@ class DUALCOLOR_OT_add_lamp_shade(_AddPicture, bpy.types.Operator):
     bl_label = "Image Lamp Shade"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
     label = "Lamp Shade"
-    bottom_diameter: _millimetres("Bottom Diameter", 60.0, "Outer diameter at the bottom", low=4.0, high=140.0)
-    top_diameter: _millimetres("Top Diameter", 40.0, "Outer diameter at the top", low=4.0, high=140.0)
-    wall: _millimetres("Wall Thickness", 2.0, "Thickness of the wall", low=0.8, high=20.0)
+    bottom_diameter: _millimeters("Bottom Diameter", 60.0, "Outer diameter at the bottom", low=4.0, high=140.0)
+    top_diameter: _millimeters("Top Diameter", 40.0, "Outer diameter at the top", low=4.0, high=140.0)
+    wall: _millimeters("Wall Thickness", 2.0, "Thickness of the wall", low=0.8, high=20.0)
     crop: _CROP_TO_HEIGHT
-    height: _millimetres("Height", 60.0, "Height if the picture is cut; made a whole number of layer pairs", high=150.0)
+    height: _millimeters("Height", 60.0, "Height if the picture is cut; made a whole number of layer pairs", high=150.0)
 
     def shape(self, settings: PrintSettings, proportions: float) -> PictureShape:
         """The shell."""

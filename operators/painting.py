@@ -1,4 +1,4 @@
-"""Set Up Painting, Grey from Colour Image, and Bake Ambient Occlusion."""
+"""Set Up Painting, Gray from Color Image, and Bake Ambient Occlusion."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..bridge.paint.ambient_occlusion import DISTANCE_MM, SAMPLES, darkened, occ
 from ..bridge.paint.painting import (
     exchange_picture,
     give_picture,
-    grey_picture,
+    gray_picture,
     picture_of,
     picture_size,
     picture_uv,
@@ -27,7 +27,7 @@ from .viewing import show_pictures
 
 
 class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
-    """Make a picture of the right size for the print, show it on the object and start painting on it in greys"""
+    """Make a picture of the right size for the print, show it on the object and start painting on it in grays"""
 
     bl_idname = "dualcolor.set_up_painting"
     bl_label = "Set Up Painting"
@@ -57,10 +57,10 @@ class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class DUALCOLOR_OT_grey_from_color(bpy.types.Operator):
-    """Make a grey picture from the object's coloured one and print that; the coloured one is kept"""
+class DUALCOLOR_OT_gray_from_color(bpy.types.Operator):
+    """Make a gray picture from the object's colored one and print that; the colored one is kept"""
 
-    bl_idname = "dualcolor.grey_from_color"
+    bl_idname = "dualcolor.gray_from_color"
     bl_label = "From Color Image"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
 
@@ -72,10 +72,10 @@ class DUALCOLOR_OT_grey_from_color(bpy.types.Operator):
         name="Auto Contrast", default=True, description="Stretch the picture's own range to black and white"
     )
     black: bpy.props.FloatProperty(
-        name="Black Level", default=0.0, min=0.0, max=1.0, description="Grey, as shown, that becomes black"
+        name="Black Level", default=0.0, min=0.0, max=1.0, description="Gray, as shown, that becomes black"
     )
     white: bpy.props.FloatProperty(
-        name="White Level", default=1.0, min=0.0, max=1.0, description="Grey, as shown, that becomes white"
+        name="White Level", default=1.0, min=0.0, max=1.0, description="Gray, as shown, that becomes white"
     )
     gamma: bpy.props.FloatProperty(
         name="Gamma", default=1.0, min=0.1, max=10.0, description="Above 1 lightens the middle, below 1 darkens it"
@@ -92,12 +92,12 @@ class DUALCOLOR_OT_grey_from_color(bpy.types.Operator):
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Make the grey picture, print it and show it."""
+        """Make the gray picture, print it and show it."""
         obj = context.object
         former = picture_of(obj)
         grade = Grade(tuple(self.mix), self.black, self.white, self.gamma, self.auto_contrast)
         try:
-            made = grey_picture(former, grade)
+            made = gray_picture(former, grade)
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
@@ -158,4 +158,4 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         return f"Printing {made.name}"
 
 
-OPERATORS = (DUALCOLOR_OT_set_up_painting, DUALCOLOR_OT_grey_from_color, DUALCOLOR_OT_bake_occlusion)
+OPERATORS = (DUALCOLOR_OT_set_up_painting, DUALCOLOR_OT_gray_from_color, DUALCOLOR_OT_bake_occlusion)

@@ -8,7 +8,7 @@ import numpy as np
 from ..bridge.bed import bounds_mm, scale_to_height
 from ..bridge.properties import repaint_proof
 from ..bridge.strands.preview import source_of
-from ..bridge.units import LENGTH_DIGITS, mm_per_unit, use_millimetres
+from ..bridge.units import LENGTH_DIGITS, mm_per_unit, use_millimeters
 from .polls import MAKE_LOCAL, has_printable
 from .viewing import frame_selected
 
@@ -46,7 +46,7 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
         return True
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
-        """Ask for the height, which is as it was if it can be; a scene in metres is best changed at this moment."""
+        """Ask for the height, which is as it was if it can be; a scene in meters is best changed at this moment."""
         now = float(np.ptp(bounds_mm([source_of(context.object)]), axis=0)[2])
         self.height = now if _LEAST_MM < now <= _MOST_MM else _USUAL_MM
         self.scene_in_mm = mm_per_unit(context.scene) != 1.0
@@ -59,7 +59,7 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
             self.report({"ERROR"}, f"{obj.name} is flat: it has no height to scale")
             return {"CANCELLED"}
         if self.scene_in_mm:
-            use_millimetres(context.scene)
+            use_millimeters(context.scene)
         scale_to_height(obj, self.height)
         for other in context.scene.objects if self.scene_in_mm else ():
             repaint_proof(other)

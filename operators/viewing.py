@@ -34,7 +34,7 @@ def show_in_local_views(context: bpy.types.Context, source: bpy.types.Object, ma
 
 
 def show_pictures(context: bpy.types.Context) -> None:
-    """Have a solid view show the pictures on objects instead of one colour for each material."""
+    """Have a solid view show the pictures on objects instead of one color for each material."""
     if context.area is None or context.area.type != "VIEW_3D":
         return
     shading = context.space_data.shading

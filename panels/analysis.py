@@ -1,4 +1,4 @@
-"""The panels Analysis and Orientation: findings, and the legend of their colours."""
+"""The panels Analysis and Orientation: findings, and the legend of their colors."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 
 from ..bridge.analysis.orientations import orientations_of
-from ..bridge.analysis.overlays import COLOUR_KEY, analysis_of, overlays_of
+from ..bridge.analysis.overlays import COLOR_KEY, analysis_of, overlays_of
 from ..bridge.strands.preview import source_of
 from ..operators.analyse import DUALCOLOR_OT_analyse, DUALCOLOR_OT_remove_analysis
 from ..operators.orientation import DUALCOLOR_OT_apply_orientation, DUALCOLOR_OT_suggest_orientation
@@ -103,7 +103,7 @@ def _draw_histogram(layout: bpy.types.UILayout, pattern: dict[str, Any]) -> None
 
 
 def _draw_legend(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
-    """A row for each overlay: its colour, its name, whether it is shown."""
+    """A row for each overlay: its color, its name, whether it is shown."""
     collection = overlays_of(obj)
     if collection is None:
         return
@@ -113,7 +113,7 @@ def _draw_legend(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     column = layout.column(align=True)
     for held in collection.objects:
         row = column.row()
-        row.label(text=held.name.rsplit(".", 1)[0], icon_value=swatch(tuple(held[COLOUR_KEY])))
+        row.label(text=held.name.rsplit(".", 1)[0], icon_value=swatch(tuple(held[COLOR_KEY])))
         row.prop(held, "hide_viewport", text="", emboss=False)
 
 

@@ -14,10 +14,10 @@ from ..bridge.units import mm_per_unit
 from ..core.model import FloatArray
 from ..core.settings.printer import printer_profile
 
-Colour = tuple[float, float, float, float]
-_VOLUME: Colour = (0.35, 0.65, 1.0, 0.9)
-_BLACK_NOZZLE: Colour = (0.02, 0.02, 0.02, 0.9)
-_WHITE_NOZZLE: Colour = (0.95, 0.95, 0.95, 0.9)
+Color = tuple[float, float, float, float]
+_VOLUME: Color = (0.35, 0.65, 1.0, 0.9)
+_BLACK_NOZZLE: Color = (0.02, 0.02, 0.02, 0.9)
+_WHITE_NOZZLE: Color = (0.95, 0.95, 0.95, 0.9)
 _handles: list[object] = []
 
 
@@ -41,9 +41,9 @@ def _draw_bed() -> None:
         gpu.state.depth_test_set("NONE")
 
 
-def _draw_lines(ends: FloatArray, colour: Colour) -> None:
+def _draw_lines(ends: FloatArray, color: Color) -> None:
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    shader.uniform_float("color", colour)
+    shader.uniform_float("color", color)
     batch_for_shader(shader, "LINES", {"pos": ends.tolist()}).draw(shader)
 
 

@@ -9,7 +9,7 @@ from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3
 from ..operators.generate import DUALCOLOR_OT_generate
 from ..operators.painting import (
     DUALCOLOR_OT_bake_occlusion,
-    DUALCOLOR_OT_grey_from_color,
+    DUALCOLOR_OT_gray_from_color,
     DUALCOLOR_OT_set_up_painting,
 )
 from ..operators.render import DUALCOLOR_OT_export_strands, DUALCOLOR_OT_render_prediction
@@ -23,7 +23,7 @@ ENTRIES = (
         DUALCOLOR_OT_unwrap_xatlas,
         DUALCOLOR_OT_unwrap_smart,
         DUALCOLOR_OT_set_up_painting,
-        DUALCOLOR_OT_grey_from_color,
+        DUALCOLOR_OT_gray_from_color,
         DUALCOLOR_OT_bake_occlusion,
         DUALCOLOR_OT_soft_proof,
     ),

@@ -1,4 +1,4 @@
-"""The panel for the picture: chosen, made from a coloured one, or painted."""
+"""The panel for the picture: chosen, made from a colored one, or painted."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from ..bridge.proof.soft_proof import is_proofed, proof_notes
 from ..bridge.strands.preview import source_of
 from ..operators.painting import (
     DUALCOLOR_OT_bake_occlusion,
-    DUALCOLOR_OT_grey_from_color,
+    DUALCOLOR_OT_gray_from_color,
     DUALCOLOR_OT_set_up_painting,
 )
 from ..operators.soft_proof import DUALCOLOR_OT_soft_proof
 from ..operators.unwrap import DUALCOLOR_OT_unwrap_smart, DUALCOLOR_OT_unwrap_xatlas, has_xatlas
-from .prepare import why_grey
+from .prepare import why_gray
 from .rows import draw_progress, draw_sentence, draw_settings
 from .sections import PAINT
 from .tab import ObjectPanel, order_of
@@ -36,7 +36,7 @@ class DUALCOLOR_PT_paint(ObjectPanel, bpy.types.Panel):
         draw_progress(layout, DUALCOLOR_OT_unwrap_xatlas)
         column = layout.column(align=True)
         column.operator(DUALCOLOR_OT_set_up_painting.bl_idname, icon="TPAINT_HLT")
-        column.operator(DUALCOLOR_OT_grey_from_color.bl_idname, icon="IMAGE_DATA")
+        column.operator(DUALCOLOR_OT_gray_from_color.bl_idname, icon="IMAGE_DATA")
         column.operator(DUALCOLOR_OT_bake_occlusion.bl_idname, icon="SHADING_RENDERED")
         draw_progress(layout, DUALCOLOR_OT_bake_occlusion)
         _draw_soft_proof(layout, context, obj)
@@ -60,7 +60,7 @@ def _draw_soft_proof(layout: bpy.types.UILayout, context: bpy.types.Context, obj
 
 
 def hints(obj: bpy.types.Object, active: bpy.types.Object | None = None) -> list[str]:
-    """Why some of the buttons are grey, and where the tone comes from if no image is chosen.
+    """Why some of the buttons are gray, and where the tone comes from if no image is chosen.
 
     Args:
         obj: what is printed.
@@ -68,7 +68,7 @@ def hints(obj: bpy.types.Object, active: bpy.types.Object | None = None) -> list
     """
     if obj.type != "MESH":
         return ["Only meshes can be painted: Object > Convert > Mesh"]
-    if reason := why_grey(obj, active or obj):
+    if reason := why_gray(obj, active or obj):
         return [reason]
     found = [] if has_xatlas() else ["xatlas is not installed here: Smart UV Project does it too"]
     picture = picture_of(obj)

@@ -33,16 +33,16 @@ class DUALCOLOR_PT_prepare(ObjectPanel, bpy.types.Panel):
         draw_progress(layout, DUALCOLOR_OT_check_model, DUALCOLOR_OT_select_finding)
         if obj.type != "MESH":
             draw_sentence(layout, context, "Only meshes can be checked: Object > Convert > Mesh", "INFO")
-        elif reason := why_grey(obj, context.object):
+        elif reason := why_gray(obj, context.object):
             draw_sentence(layout, context, reason, "INFO")
         _draw_findings(layout, obj)
 
 
-def why_grey(obj: bpy.types.Object, active: bpy.types.Object) -> str:
-    """Why the buttons that look at a mesh or change it are grey though it can be printed; empty if they are not."""
+def why_gray(obj: bpy.types.Object, active: bpy.types.Object) -> str:
+    """Why the buttons that look at a mesh or change it are gray though it can be printed; empty if they are not."""
     if active != obj:
-        return f"Strands are selected: select {obj.name} for the buttons that are grey"
-    return "Leave Edit Mode (Tab) for the buttons that are grey" if obj.mode == "EDIT" else ""
+        return f"Strands are selected: select {obj.name} for the buttons that are gray"
+    return "Leave Edit Mode (Tab) for the buttons that are gray" if obj.mode == "EDIT" else ""
 
 
 def _draw_size(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object) -> None:

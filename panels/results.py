@@ -19,8 +19,8 @@ def figures(report: dict[str, Any]) -> list[tuple[str, str]]:
     ]
     for tool in (0, 1):
         length_m, mass_g = report["filament"][f"tool{tool}_mm"] / 1000, report["filament"][f"tool{tool}_g"]
-        colour = "Black" if tool == black else "White"
-        rows.append((f"{colour} ({_TOOL_SIDES[tool]})", f"{length_m:.2f} m, {mass_g:.1f} g"))
+        color = "Black" if tool == black else "White"
+        rows.append((f"{color} ({_TOOL_SIDES[tool]})", f"{length_m:.2f} m, {mass_g:.1f} g"))
     if solid := report.get("solid_regions"):
         seconds = solid["outline_time_s"] + solid["tool_change_time_s"]
         cost = f"{solid['tool_changes']:+d} tool changes, {seconds / 60:+.1f} min"

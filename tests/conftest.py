@@ -41,7 +41,7 @@ def scene():
 
 @pytest.fixture
 def registered():
-    """The extension, in a scene of its own, which is empty and in millimetres."""
+    """The extension, in a scene of its own, which is empty and in millimeters."""
     pytest.importorskip("bpy")
     import dualcolor
     from dualcolor.tests.scene import fresh

@@ -32,6 +32,6 @@ def image_file(path):
     """A picture as tone, decoded by the plain sRGB curve."""
     from PIL import Image
 
-    grey = np.asarray(Image.open(path).convert("L"), dtype=np.float32)[::-1] / 255
-    tone = np.where(grey <= 0.04045, grey / 12.92, ((grey + 0.055) / 1.055) ** 2.4).astype(np.float32)
+    gray = np.asarray(Image.open(path).convert("L"), dtype=np.float32)[::-1] / 255
+    tone = np.where(gray <= 0.04045, gray / 12.92, ((gray + 0.055) / 1.055) ** 2.4).astype(np.float32)
     return ToneImage(tone, np.ones_like(tone))

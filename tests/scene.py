@@ -5,7 +5,7 @@ import itertools
 import bpy
 import numpy as np
 from dualcolor.bridge.input.mesh_input import surface_model
-from dualcolor.bridge.units import use_millimetres
+from dualcolor.bridge.units import use_millimeters
 from dualcolor.core.settings import PrintSettings
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
@@ -14,10 +14,10 @@ CUBE_FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 
 DATA_KINDS = ("scenes", "collections", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials")
 
 
-def fresh(millimetres=True):
+def fresh(millimeters=True):
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    if millimetres:
-        use_millimetres(bpy.context.scene)
+    if millimeters:
+        use_millimeters(bpy.context.scene)
 
 
 def add_mesh(vertices, faces, name="thing"):
@@ -47,8 +47,8 @@ def flat_image(rgba, name="picture", size=4, is_float=False, is_data=False):
     return image
 
 
-def add_material(obj, image=None, colour=None, shader="BSDF_PRINCIPLED"):
-    """A material with a picture or a plain colour; returns it and its node tree."""
+def add_material(obj, image=None, color=None, shader="BSDF_PRINCIPLED"):
+    """A material with a picture or a plain color; returns it and its node tree."""
     material = bpy.data.materials.new("material")
     if material.node_tree is None:
         material.use_nodes = True  # before Blender 5
@@ -58,8 +58,8 @@ def add_material(obj, image=None, colour=None, shader="BSDF_PRINCIPLED"):
         node = tree.nodes.new(shader)
         tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
     socket = node.inputs[0]
-    if colour is not None:
-        socket.default_value = colour
+    if color is not None:
+        socket.default_value = color
     if image is not None:
         picture = tree.nodes.new("ShaderNodeTexImage")
         picture.image = image

@@ -25,7 +25,7 @@ class Findings:
     Attributes:
         open_edges: edges that bound a hole, or hang loose.
         branching_edges: edges where more than two faces meet.
-        flipped_faces: faces whose neighbours look the other way, or all of them if the solid is inside out.
+        flipped_faces: faces whose neighbors look the other way, or all of them if the solid is inside out.
         crossing_faces: faces that pass through others.
         flat_faces: faces without an area.
         thin_faces: faces with another wall too near behind them.

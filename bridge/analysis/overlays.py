@@ -1,4 +1,4 @@
-"""The results of the analysis on the object: a collection of coloured curves, marks and faces."""
+"""The results of the analysis on the object: a collection of colored curves, marks and faces."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 
 from ...core.analysis.study import Analysis
 from ...core.analysis.surface_curves import (
-    BIRTH_COLOUR,
-    DEATH_COLOUR,
-    DEGRADED_COLOUR,
-    DISCARDED_COLOUR,
-    FADED_COLOUR,
-    GONE_COLOUR,
-    HEAT_COLOURS,
+    BIRTH_COLOR,
+    DEATH_COLOR,
+    DEGRADED_COLOR,
+    DISCARDED_COLOR,
+    FADED_COLOR,
+    GONE_COLOR,
+    HEAT_COLORS,
     HEAT_STOPS,
-    SHORT_COLOUR,
-    TRACE_COLOUR,
+    SHORT_COLOR,
+    TRACE_COLOR,
     Rgb,
     SurfaceCurves,
     faded_curves,
@@ -39,7 +39,7 @@ from ..units import mm_per_unit
 SOURCE_KEY = "dualcolor_analysis_of"
 REPORT_KEY = "dualcolor_analysis"
 _REPORTED = ("pattern", "tracelines", "too_short", "slopes", "faded", "settings", "warnings")
-COLOUR_KEY = "dualcolor_overlay_colour"
+COLOR_KEY = "dualcolor_overlay_color"
 _HEAT_MM, _TRACE_MM, _MARK_MM, _FACE_LIFT_MM = 0.15, 0.08, 0.6, 0.08
 _OCTAHEDRON = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=float)
 _OCTAHEDRON_FACES = np.array(
@@ -112,14 +112,14 @@ def _pattern_overlays(found: Analysis, unit: float) -> list[bpy.types.Object]:
     lines, plane, samples, traced = found.lines, found.layers.plane, found.samples, found.traced
     seams, discarded = heat_curves(lines, plane, found.errors)
     shown = [
-        _curve_object(f"Seam Error from {stop:g}", colour, curves, _HEAT_MM, unit)
-        for stop, colour, curves in zip(HEAT_STOPS, HEAT_COLOURS, seams, strict=True)
+        _curve_object(f"Seam Error from {stop:g}", color, curves, _HEAT_MM, unit)
+        for stop, color, curves in zip(HEAT_STOPS, HEAT_COLORS, seams, strict=True)
     ]
     shown += [
-        _curve_object("Not Compared", DISCARDED_COLOUR, discarded, _TRACE_MM, unit),
-        _curve_object("Tracelines", TRACE_COLOUR, trace_curves(lines, plane, samples, traced), _TRACE_MM, unit),
-        _mark_object("Births", BIRTH_COLOUR, sample_points(lines, plane, samples, traced.birth), unit),
-        _mark_object("Deaths", DEATH_COLOUR, sample_points(lines, plane, samples, traced.death), unit),
+        _curve_object("Not Compared", DISCARDED_COLOR, discarded, _TRACE_MM, unit),
+        _curve_object("Tracelines", TRACE_COLOR, trace_curves(lines, plane, samples, traced), _TRACE_MM, unit),
+        _mark_object("Births", BIRTH_COLOR, sample_points(lines, plane, samples, traced.birth), unit),
+        _mark_object("Deaths", DEATH_COLOR, sample_points(lines, plane, samples, traced.death), unit),
     ]
     return [made for made in shown if made]
 
@@ -129,57 +129,57 @@ def _guard_overlays(found: Analysis, unit: float) -> list[bpy.types.Object]:
     plane = found.layers.plane
     angle = from_flat_deg(found.mesh)
     shown = [
-        _curve_object("Wave Faded", FADED_COLOUR, faded_curves(found.lines, plane, found.faded), _TRACE_MM, unit),
-        _curve_object("Too Short", SHORT_COLOUR, loop_curves(found.lines, plane, found.too_short), _HEAT_MM, unit),
+        _curve_object("Wave Faded", FADED_COLOR, faded_curves(found.lines, plane, found.faded), _TRACE_MM, unit),
+        _curve_object("Too Short", SHORT_COLOR, loop_curves(found.lines, plane, found.too_short), _HEAT_MM, unit),
         _face_object(
-            f"Below {DEGRADED_DEG:.0f}° from Flat", DEGRADED_COLOUR, found,
+            f"Below {DEGRADED_DEG:.0f}° from Flat", DEGRADED_COLOR, found,
             (angle < DEGRADED_DEG) & (angle >= GONE_DEG), unit,
         ),
-        _face_object(f"Below {GONE_DEG:.0f}° from Flat", GONE_COLOUR, found, angle < GONE_DEG, unit),
+        _face_object(f"Below {GONE_DEG:.0f}° from Flat", GONE_COLOR, found, angle < GONE_DEG, unit),
     ]  # fmt: skip
     return [made for made in shown if made]
 
 
 def _curve_object(
-    name: str, colour: Rgb, curves: SurfaceCurves, radius_mm: float, unit: float
+    name: str, color: Rgb, curves: SurfaceCurves, radius_mm: float, unit: float
 ) -> bpy.types.Object | None:
     if not len(curves.points):
         return None
     radius = np.full(len(curves.points), radius_mm / unit)
-    return _object(name, colour, new_curves(name, curves.points / unit, np.diff(curves.start), radius, {}))
+    return _object(name, color, new_curves(name, curves.points / unit, np.diff(curves.start), radius, {}))
 
 
-def _mark_object(name: str, colour: Rgb, points: FloatArray, unit: float) -> bpy.types.Object | None:
+def _mark_object(name: str, color: Rgb, points: FloatArray, unit: float) -> bpy.types.Object | None:
     """Octahedra, which every display mode of the viewport shows."""
     corners = (points[:, None] + _MARK_MM * _OCTAHEDRON).reshape(-1, 3)
     faces = _OCTAHEDRON_FACES + len(_OCTAHEDRON) * np.arange(len(points))[:, None, None]
-    return _mesh_object(name, colour, corners / unit, faces.reshape(-1, 3))
+    return _mesh_object(name, color, corners / unit, faces.reshape(-1, 3))
 
 
-def _face_object(name: str, colour: Rgb, found: Analysis, chosen: BoolArray, unit: float) -> bpy.types.Object | None:
+def _face_object(name: str, color: Rgb, found: Analysis, chosen: BoolArray, unit: float) -> bpy.types.Object | None:
     """Copies of faces a little above them."""
     corners = found.mesh.vertices[found.mesh.faces[chosen]] + _FACE_LIFT_MM * found.paint.normal[chosen][:, None]
-    return _mesh_object(name, colour, corners.reshape(-1, 3) / unit, np.arange(3 * len(corners)).reshape(-1, 3))
+    return _mesh_object(name, color, corners.reshape(-1, 3) / unit, np.arange(3 * len(corners)).reshape(-1, 3))
 
 
-def _mesh_object(name: str, colour: Rgb, corners: FloatArray, faces: np.ndarray) -> bpy.types.Object | None:
+def _mesh_object(name: str, color: Rgb, corners: FloatArray, faces: np.ndarray) -> bpy.types.Object | None:
     if not len(faces):
         return None
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(corners.tolist(), [], faces.tolist())
-    return _object(name, colour, mesh)
+    return _object(name, color, mesh)
 
 
-def _object(name: str, colour: Rgb, data: bpy.types.ID) -> bpy.types.Object:
-    linear = tuple(float(value) for value in linear_from_srgb(np.array(colour)))
+def _object(name: str, color: Rgb, data: bpy.types.ID) -> bpy.types.Object:
+    linear = tuple(float(value) for value in linear_from_srgb(np.array(color)))
     data.materials.append(_paint(name, linear))
     made = bpy.data.objects.new(name, data)
-    made[COLOUR_KEY] = linear
+    made[COLOR_KEY] = linear
     return made
 
 
 def _paint(name: str, linear: tuple[float, ...]) -> bpy.types.Material:
-    """An emissive material, so that shading does not change its colour."""
+    """An emissive material, so that shading does not change its color."""
     name = f"Overlay {name}"
     material = bpy.data.materials.get(name)
     if material:

@@ -1,4 +1,4 @@
-"""The source of a material's colour, found in its nodes."""
+"""The source of a material's color, found in its nodes."""
 
 from __future__ import annotations
 
@@ -9,86 +9,86 @@ import bpy
 from ...core.records import dataclass
 
 Groups = tuple[bpy.types.Node, ...]
-COLOUR_INPUT = {"BSDF_PRINCIPLED": "Base Color", "BSDF_DIFFUSE": "Color", "EMISSION": "Color"}
+COLOR_INPUT = {"BSDF_PRINCIPLED": "Base Color", "BSDF_DIFFUSE": "Color", "EMISSION": "Color"}
 
 
 @dataclass(frozen=True)
-class BaseColour:
-    """Where a material's colour comes from: at most one of image, attribute and colour.
+class BaseColor:
+    """Where a material's color comes from: at most one of image, attribute and color.
 
     Attributes:
         image: the picture, or None.
         uv_map: name of the UV map that the picture asks for, "" for the one to render.
-        attribute: name of a colour attribute, or "".
-        colour: linear RGBA of a plain colour, or None.
+        attribute: name of a color attribute, or "".
+        color: linear RGBA of a plain color, or None.
     """
 
     image: bpy.types.Image | None = None
     uv_map: str = ""
     attribute: str = ""
-    colour: tuple[float, float, float, float] | None = None
+    color: tuple[float, float, float, float] | None = None
 
 
-def base_colour(material: bpy.types.Material | None) -> BaseColour:
-    """The source of a material's base colour.
+def base_color(material: bpy.types.Material | None) -> BaseColor:
+    """The source of a material's base color.
 
     Follows the output's surface back through mixes, reroutes and groups to a Principled, Diffuse or Emission shader,
-    and from its colour input to the nearest image or colour attribute. An image beats a plain colour farther on.
+    and from its color input to the nearest image or color attribute. An image beats a plain color farther on.
     """
     if material is None:
-        return BaseColour()
+        return BaseColor()
     without_nodes = bpy.app.version < (5, 0) and not material.use_nodes
     tree = None if without_nodes else material.node_tree
     output = tree.get_output_node("ALL") if tree else None
     if output is None:
-        return BaseColour(colour=tuple(material.diffuse_color))
-    plain = BaseColour()
+        return BaseColor(color=tuple(material.diffuse_color))
+    plain = BaseColor()
     for node, groups in _upstream(output.inputs["Surface"], ()):
         if node.type == "TEX_IMAGE" and node.image:
             return _of_image_node(node, groups)
-        if node.type in COLOUR_INPUT:
-            found = _of_socket(node.inputs[COLOUR_INPUT[node.type]], groups)
+        if node.type in COLOR_INPUT:
+            found = _of_socket(node.inputs[COLOR_INPUT[node.type]], groups)
             if found.image or found.attribute:
                 return found
-            plain = plain if plain.colour else found
+            plain = plain if plain.color else found
     return plain
 
 
-def chosen_colour(colours: list[BaseColour], image: bpy.types.Image, mesh: bpy.types.Mesh) -> BaseColour:
-    """Where the colour of an object comes from whose picture the user has chosen, instead of its materials' `colours`.
+def chosen_color(colors: list[BaseColor], image: bpy.types.Image, mesh: bpy.types.Mesh) -> BaseColor:
+    """Where the color of an object comes from whose picture the user has chosen, instead of its materials' `colors`.
 
     The picture lies as a material shows it; one that no material shows, by the active UV map, as strokes do.
     """
     active = mesh.uv_layers.active
-    unseen = BaseColour(image=image, uv_map=active.name if active else "")
-    return next((colour for colour in colours if colour.image == image), unseen)
+    unseen = BaseColor(image=image, uv_map=active.name if active else "")
+    return next((color for color in colors if color.image == image), unseen)
 
 
-def picture_layer(colour: BaseColour, mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:
+def picture_layer(color: BaseColor, mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:
     """The UV map by which a picture is seen: the one that it asks for, else the one to render; None without any."""
     layers = mesh.uv_layers
-    return layers.get(colour.uv_map) or next((layer for layer in layers if layer.active_render), layers.active)
+    return layers.get(color.uv_map) or next((layer for layer in layers if layer.active_render), layers.active)
 
 
-def _of_socket(socket: bpy.types.NodeSocket, groups: Groups) -> BaseColour:
+def _of_socket(socket: bpy.types.NodeSocket, groups: Groups) -> BaseColor:
     if not socket.is_linked:
-        return BaseColour(colour=tuple(socket.default_value))
-    plain = BaseColour()
+        return BaseColor(color=tuple(socket.default_value))
+    plain = BaseColor()
     for node, within in _upstream(socket, groups):
         if node.type == "TEX_IMAGE" and node.image:
             return _of_image_node(node, within)
         if node.type == "VERTEX_COLOR":
-            plain = BaseColour(attribute=node.layer_name)
+            plain = BaseColor(attribute=node.layer_name)
         elif node.type == "ATTRIBUTE":
-            plain = BaseColour(attribute=node.attribute_name)
+            plain = BaseColor(attribute=node.attribute_name)
         elif node.type == "RGB" and not plain.attribute:
-            plain = BaseColour(colour=tuple(node.outputs[0].default_value))
+            plain = BaseColor(color=tuple(node.outputs[0].default_value))
     return plain
 
 
-def _of_image_node(node: bpy.types.ShaderNodeTexImage, groups: Groups) -> BaseColour:
+def _of_image_node(node: bpy.types.ShaderNodeTexImage, groups: Groups) -> BaseColor:
     sources = (source for source, _ in _upstream(node.inputs["Vector"], groups))
-    return BaseColour(image=node.image, uv_map=next((each.uv_map for each in sources if each.type == "UVMAP"), ""))
+    return BaseColor(image=node.image, uv_map=next((each.uv_map for each in sources if each.type == "UVMAP"), ""))
 
 
 def _upstream(socket: bpy.types.NodeSocket, groups: Groups) -> Iterator[tuple[bpy.types.Node, Groups]]:
@@ -116,7 +116,7 @@ def _upstream(socket: bpy.types.NodeSocket, groups: Groups) -> Iterator[tuple[bp
             waiting[:0] = _feeding(_same(groups[-1].inputs, outlet), groups[:-1]) if groups else []
         else:
             yield node, groups
-            if node.type != "TEX_IMAGE" and node.type not in COLOUR_INPUT:
+            if node.type != "TEX_IMAGE" and node.type not in COLOR_INPUT:
                 followed = [each for each in node.inputs if each.enabled and not each.name.startswith("Fac")]
                 waiting.extend(source for each in followed for source in _feeding(each, groups))
 

@@ -13,12 +13,12 @@ from ...core.errors import TextureError
 from ...core.model import Float32Array, ToneImage
 from ...core.texture.decode import tone_image
 from ...core.texture.exif_orientation import orientation_of_file, upright
-from ...core.texture.grade import linear_colours
+from ...core.texture.grade import linear_colors
 from ...core.texture.heads import check_texels, texels, texels_of_file
 from ..quiet import quiet_stderr
 
-RAW_COLOUR_SPACES = ("Non-Color", "Raw", "Generic Data", "ACES2065-1", "ACEScg", "Working Space")
-"""Colour spaces whose values are proportional to light, beside those whose name begins with "Linear"."""
+RAW_COLOR_SPACES = ("Non-Color", "Raw", "Generic Data", "ACES2065-1", "ACEScg", "Working Space")
+"""Color spaces whose values are proportional to light, beside those whose name begins with "Linear"."""
 
 
 def load_image(path: Path) -> bpy.types.Image:
@@ -58,8 +58,8 @@ def picture_tone(path: Path) -> ToneImage:
 def image_tone(image: bpy.types.Image) -> ToneImage:
     """The tone of a Blender image, as it is now (painted pixels too).
 
-    Byte images hold encoded values unless their colour space is a linear one; float images are linear, and their
-    colour is multiplied by alpha. An alpha that is ignored or used for something else is no coverage.
+    Byte images hold encoded values unless their color space is a linear one; float images are linear, and their
+    color is multiplied by alpha. An alpha that is ignored or used for something else is no coverage.
 
     Raises:
         TextureError: the image has no pixels, or is made of UDIM tiles.
@@ -68,14 +68,14 @@ def image_tone(image: bpy.types.Image) -> ToneImage:
     return tone_image(rgba, encoded_srgb=encoded, premultiplied=premultiplied)
 
 
-def image_colours(image: bpy.types.Image) -> tuple[Float32Array, Float32Array]:
-    """(H, W, 3) linear colours and (H, W) alpha of a Blender image, as it is now.
+def image_colors(image: bpy.types.Image) -> tuple[Float32Array, Float32Array]:
+    """(H, W, 3) linear colors and (H, W) alpha of a Blender image, as it is now.
 
     Raises:
         TextureError: the image has no pixels, or is made of UDIM tiles.
     """
     rgba, encoded, premultiplied = _stored_pixels(image)
-    return linear_colours(rgba, encoded, premultiplied), np.clip(rgba[..., 3], 0.0, 1.0)
+    return linear_colors(rgba, encoded, premultiplied), np.clip(rgba[..., 3], 0.0, 1.0)
 
 
 def image_size(image: bpy.types.Image) -> tuple[int, int]:
@@ -107,13 +107,13 @@ def image_pixels(image: bpy.types.Image) -> Float32Array:
 
 
 def is_encoded(image: bpy.types.Image) -> bool:
-    """Whether an image's colours are sRGB-encoded: bytes are, unless their colour space is a linear one."""
+    """Whether an image's colors are sRGB-encoded: bytes are, unless their color space is a linear one."""
     space = image.colorspace_settings.name
-    return not (image.is_float or space in RAW_COLOUR_SPACES or space.startswith("Linear"))
+    return not (image.is_float or space in RAW_COLOR_SPACES or space.startswith("Linear"))
 
 
 def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
-    """(H, W, 4) as stored, whether colours are sRGB-encoded, and whether they are multiplied by alpha."""
+    """(H, W, 4) as stored, whether colors are sRGB-encoded, and whether they are multiplied by alpha."""
     rgba = _as_rgba(image_pixels(image))
     covers = image.alpha_mode in ("STRAIGHT", "PREMUL")
     if not covers:
@@ -132,7 +132,7 @@ def _texels_undecoded(image: bpy.types.Image) -> int:
 
 
 def _as_rgba(pixels: Float32Array) -> Float32Array:
-    """(H, W, 4) from (H, W, 1 to 4): grey is repeated, missing alpha is 1."""
+    """(H, W, 4) from (H, W, 1 to 4): gray is repeated, missing alpha is 1."""
     channels = pixels.shape[2]
     if channels == 4:
         return pixels

@@ -13,9 +13,9 @@ from ...core.errors import MeshError, TextureError
 from ...core.model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneImage
 from ...core.records import dataclass
 from ...core.settings import PrintSettings
-from ...core.texture.decode import colour_tone
+from ...core.texture.decode import color_tone
 from ..units import mm_per_unit
-from .base_color import BaseColour, base_colour, chosen_colour, picture_layer
+from .base_color import BaseColor, base_color, chosen_color, picture_layer
 from .image_input import image_tone
 from .printed_materials import printed_materials
 from .seam_visibility import painted_visibility
@@ -35,7 +35,7 @@ def surface_model(
 ) -> SurfaceModel:
     """An object as it stands in the scene: modifiers, shape keys and transform applied, in mm.
 
-    Tone comes from `image` if it is given, else from the images of the materials, else from the active colour
+    Tone comes from `image` if it is given, else from the images of the materials, else from the active color
     attribute, else it is left to `settings.background_tone`.
 
     Args:
@@ -51,12 +51,12 @@ def surface_model(
     """
     with evaluated_mesh(obj, depsgraph) as mesh:
         corners = _Corners.of(mesh)
-        colours = _material_colours(obj, mesh)
-        colours = [chosen_colour(colours, image, mesh)] if image else colours
-        slot = np.zeros(len(mesh.polygons), dtype=np.int64) if image else _material_slots(mesh, len(colours))
-        uv = _corner_uv(mesh, obj.name, corners, colours, slot)
-        tone = _corner_tone(mesh, corners, colours, slot, settings.background_tone)
-        textures, polygon_texture = _textures(colours, slot)
+        colors = _material_colors(obj, mesh)
+        colors = [chosen_color(colors, image, mesh)] if image else colors
+        slot = np.zeros(len(mesh.polygons), dtype=np.int64) if image else _material_slots(mesh, len(colors))
+        uv = _corner_uv(mesh, obj.name, corners, colors, slot)
+        tone = _corner_tone(mesh, corners, colors, slot, settings.background_tone)
+        textures, polygon_texture = _textures(colors, slot)
         support = _face_marks(mesh)
         weights, shown = painted_visibility(obj, mesh, settings.seam_visibility)
         vertices = world_vertices(mesh, obj.evaluated_get(depsgraph), mm_per_unit(depsgraph.scene))
@@ -158,10 +158,10 @@ def world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float)
     return world * mm
 
 
-def _material_colours(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[BaseColour]:
+def _material_colors(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[BaseColor]:
     """One entry per material slot, at least one."""
     slots = printed_materials(obj) or list(mesh.materials)
-    return [base_colour(material) for material in slots] or [BaseColour()]
+    return [base_color(material) for material in slots] or [BaseColor()]
 
 
 def _material_slots(mesh: bpy.types.Mesh, slots: int) -> IntArray:
@@ -170,34 +170,34 @@ def _material_slots(mesh: bpy.types.Mesh, slots: int) -> IntArray:
     return np.clip(index.astype(np.int64), 0, slots - 1)
 
 
-def _textures(colours: list[BaseColour], slot: IntArray) -> tuple[tuple[ToneImage, ...], IntArray]:
+def _textures(colors: list[BaseColor], slot: IntArray) -> tuple[tuple[ToneImage, ...], IntArray]:
     """The pictures that polygons use, each once, and which one each polygon uses."""
     used = set(np.unique(slot).tolist())
     images: list[bpy.types.Image] = []
-    of_slot = np.full(len(colours), -1, dtype=np.int64)
-    for number, colour in enumerate(colours):
-        if colour.image is None or number not in used:
+    of_slot = np.full(len(colors), -1, dtype=np.int64)
+    for number, color in enumerate(colors):
+        if color.image is None or number not in used:
             continue
-        if colour.image not in images:
-            images.append(colour.image)
-        of_slot[number] = images.index(colour.image)
+        if color.image not in images:
+            images.append(color.image)
+        of_slot[number] = images.index(color.image)
     return tuple(image_tone(image) for image in images), of_slot[slot]
 
 
 def _corner_uv(
-    mesh: bpy.types.Mesh, name: str, corners: _Corners, colours: list[BaseColour], slot: IntArray
+    mesh: bpy.types.Mesh, name: str, corners: _Corners, colors: list[BaseColor], slot: IntArray
 ) -> FloatArray | None:
     """(C, 2) from the UV map with which each material's picture is displayed; None if there is none."""
     if not mesh.uv_layers:
-        pictured = next((colour.image for colour in colours if colour.image), None)
+        pictured = next((color.image for color in colors if color.image), None)
         if pictured:
             raise TextureError(f"{name} has no UV map for the image {pictured.name}", UNWRAP_HINT)
         return None
     active = mesh.uv_layers.active
     uv = _layer_uv(active)
-    for number, colour in enumerate(colours):
-        layer = picture_layer(colour, mesh)
-        if colour.image and layer.name != active.name:
+    for number, color in enumerate(colors):
+        layer = picture_layer(color, mesh)
+        if color.image and layer.name != active.name:
             chosen = slot[corners.polygon] == number
             uv[chosen] = _layer_uv(layer)[chosen]
     return uv
@@ -210,34 +210,34 @@ def _layer_uv(layer: bpy.types.MeshUVLoopLayer) -> FloatArray:
 
 
 def _corner_tone(
-    mesh: bpy.types.Mesh, corners: _Corners, colours: list[BaseColour], slot: IntArray, background: float
+    mesh: bpy.types.Mesh, corners: _Corners, colors: list[BaseColor], slot: IntArray, background: float
 ) -> FloatArray | None:
     """(C,) tone of corners without a picture, NaN elsewhere; None if only pictures and background give tones.
 
-    Without a picture on the object that is the active colour attribute. Beside materials with a picture, plain
-    ones show their own colour.
+    Without a picture on the object that is the active color attribute. Beside materials with a picture, plain
+    ones show their own color.
     """
-    pictured = any(colour.image for colour in colours)
+    pictured = any(color.image for color in colors)
     tone = np.full(len(corners.vertex), np.nan)
-    for number, colour in enumerate(colours):
+    for number, color in enumerate(colors):
         chosen: BoolArray = slot[corners.polygon] == number
-        if colour.image or not chosen.any():
+        if color.image or not chosen.any():
             continue
-        rgba = _attribute_colour(mesh, corners, colour.attribute, active=not pictured)
+        rgba = _attribute_color(mesh, corners, color.attribute, active=not pictured)
         if rgba is not None:
-            tone[chosen] = colour_tone(rgba[chosen], background)
-        elif pictured and colour.colour:
-            tone[chosen] = colour_tone(np.array([colour.colour], dtype=np.float64), background)[0]
+            tone[chosen] = color_tone(rgba[chosen], background)
+        elif pictured and color.color:
+            tone[chosen] = color_tone(np.array([color.color], dtype=np.float64), background)[0]
     return None if np.isnan(tone).all() else tone
 
 
-def _attribute_colour(mesh: bpy.types.Mesh, corners: _Corners, name: str, active: bool) -> FloatArray | None:
-    """(C, 4) linear colour of the named attribute, else of the active one if that may be used, else None."""
+def _attribute_color(mesh: bpy.types.Mesh, corners: _Corners, name: str, active: bool) -> FloatArray | None:
+    """(C, 4) linear color of the named attribute, else of the active one if that may be used, else None."""
     attributes = mesh.color_attributes
     attribute = attributes.get(name) or (attributes.active_color if active else None)
     if attribute is None:
         return None
     rgba = np.empty(len(attribute.data) * 4, dtype=np.float32)
-    attribute.data.foreach_get("color", rgba)  # linear for byte colours too
+    attribute.data.foreach_get("color", rgba)  # linear for byte colors too
     linear = rgba.reshape(-1, 4).astype(np.float64)
     return linear[corners.vertex] if attribute.domain == "POINT" else linear

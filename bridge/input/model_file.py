@@ -12,7 +12,7 @@ from mathutils import Matrix
 
 from ...core.errors import MeshError, PrintError
 from ..quiet import quiet_stderr
-from ..units import mm_per_unit, use_millimetres
+from ..units import mm_per_unit, use_millimeters
 from .mesh_input import evaluated_mesh
 
 UP_AXIS = {".blend": "z", ".obj": "y", ".stl": "z", ".ply": "z", ".glb": "y", ".gltf": "y"}
@@ -116,7 +116,7 @@ def _opened_scene(path: Path) -> list[bpy.types.Object]:
 
 
 def import_objects(path: Path) -> list[bpy.types.Object]:
-    """The objects of a file that is not a .blend, added to the scene, which becomes one in millimetres.
+    """The objects of a file that is not a .blend, added to the scene, which becomes one in millimeters.
 
     Raises:
         PrintError: Blender cannot read it.
@@ -124,7 +124,7 @@ def import_objects(path: Path) -> list[bpy.types.Object]:
     former = set(bpy.context.scene.objects)
     bpy.context.scene.unit_settings.scale_length = 1.0  # the importer of glTF would take it into account
     _read(path, path.suffix.lower())
-    use_millimetres(bpy.context.scene)
+    use_millimeters(bpy.context.scene)
     bpy.context.view_layer.update()
     return [obj for obj in bpy.context.scene.objects if obj not in former]
 

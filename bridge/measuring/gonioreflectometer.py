@@ -70,8 +70,8 @@ def read_tile(
         PrintError: the tile cannot be printed with these settings.
     """
     result = generate(tile.model, bare(settings))
-    centre = (result.mesh.bounds[0] + tile.centre).tolist()
-    face = Face((centre[0], centre[1], centre[2]), tile.width, tile.height, tile.slant_deg)
+    center = (result.mesh.bounds[0] + tile.center).tolist()
+    face = Face((center[0], center[1], center[2]), tile.width, tile.height, tile.slant_deg)
     readings = []
     with mounted(result.moves, result.settings, face, light) as stand:
         for phi, theta in angles:

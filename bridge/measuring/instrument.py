@@ -40,14 +40,14 @@ class Face:
     """The flat rectangle that the camera measures.
 
     Attributes:
-        centre: (3,) mm, in the coordinates of the moves.
+        center: (3,) mm, in the coordinates of the moves.
         width: mm, along the layers.
         height: mm, up the face.
         slant_deg: 0 an upright face, towards 90 one that looks up.
         azimuth_deg: where it looks: 0 to the front (-Y), positive to the right (+X).
     """
 
-    centre: tuple[float, float, float]
+    center: tuple[float, float, float]
     width: float
     height: float
     slant_deg: float = 0.0
@@ -151,12 +151,12 @@ def mounted(moves: Moves, settings: PrintSettings, face: Face, light: str = "eve
         raise PrintError("there are no strands to photograph", "generate the toolpath first")
     with leaving_no_trace():
         scene = bpy.data.scenes.new("Instrument")
-        centre = np.array(face.centre)
-        for made in strand_objects(laid, settings.black_tool, 1.0, -centre, levels=_ROUNDNESS_LEVELS):
+        center = np.array(face.center)
+        for made in strand_objects(laid, settings.black_tool, 1.0, -center, levels=_ROUNDNESS_LEVELS):
             if not draws_straight(scene):
                 made.data = render_rods(made, *read_strands(made)[:3], scene)
             scene.collection.objects.link(made)
-        reach = float(np.linalg.norm(laid.points - centre, axis=1).max()) + face.width + face.height
+        reach = float(np.linalg.norm(laid.points - center, axis=1).max()) + face.width + face.height
         yield stand_before(scene, face, reach, light)
 
 

@@ -11,7 +11,7 @@ from ...core.settings import PrintSettings
 from ...core.texture.decode import srgb_from_linear
 from ..input.mesh_input import WITH_SURFACE
 from ..properties import from_settings
-from ..units import mm_per_unit, use_millimetres
+from ..units import mm_per_unit, use_millimeters
 
 UV_LAYER = "Picture"
 
@@ -24,7 +24,7 @@ def add_picture_object(picture: ToneImage, shape: PictureShape, name: str, setti
 
 
 def picture_object(picture: ToneImage, shape: PictureShape, name: str, settings: PrintSettings) -> bpy.types.Object:
-    """A new object at the 3D cursor that bears a picture, selected; a scene without meshes gets millimetres for units.
+    """A new object at the 3D cursor that bears a picture, selected; a scene without meshes gets millimeters for units.
 
     The picture becomes an image of its own, packed into the file, so that it can be painted on texel by texel. What
     bears no picture has the settings' background tone.
@@ -36,7 +36,7 @@ def picture_object(picture: ToneImage, shape: PictureShape, name: str, settings:
         settings: those that the shape was made with.
     """
     if not any(other.type in WITH_SURFACE for other in bpy.context.scene.objects):
-        use_millimetres(bpy.context.scene)
+        use_millimeters(bpy.context.scene)
     obj = bpy.data.objects.new(name, _mesh(shape, name))
     obj.data.materials.append(_material(name, tone_as_image(picture, name)))
     obj.data.materials.append(_material(f"{name} Plain", settings.background_tone))
@@ -50,7 +50,7 @@ def picture_object(picture: ToneImage, shape: PictureShape, name: str, settings:
 
 
 def tone_as_image(picture: ToneImage, name: str) -> bpy.types.Image:
-    """Tones as a grey image of 8 bits, sRGB-encoded like any other picture, packed into the file."""
+    """Tones as a gray image of 8 bits, sRGB-encoded like any other picture, packed into the file."""
     height, width = picture.tone.shape
     pixels = np.empty((height, width, 4), dtype=np.float32)
     pixels[..., :3] = srgb_from_linear(picture.tone.astype(np.float64))[..., None]
@@ -73,19 +73,19 @@ def _mesh(shape: PictureShape, name: str) -> bpy.types.Mesh:
     return mesh
 
 
-def _material(name: str, colour: bpy.types.Image | float) -> bpy.types.Material:
-    """A material whose base colour is a picture, its texels shown as squares, or one even tone."""
+def _material(name: str, color: bpy.types.Image | float) -> bpy.types.Material:
+    """A material whose base color is a picture, its texels shown as squares, or one even tone."""
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True  # before Blender 5
     tree = material.node_tree
     base = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED").inputs["Base Color"]
-    if isinstance(colour, float):
-        base.default_value = (colour, colour, colour, 1.0)
-        material.diffuse_color = (colour, colour, colour, 1.0)
+    if isinstance(color, float):
+        base.default_value = (color, color, color, 1.0)
+        material.diffuse_color = (color, color, color, 1.0)
         return material
     node = tree.nodes.new("ShaderNodeTexImage")
-    node.image, node.interpolation, node.location = colour, "Closest", (-320, 280)
+    node.image, node.interpolation, node.location = color, "Closest", (-320, 280)
     tree.links.new(node.outputs["Color"], base)
     tree.nodes.active = node
     return material

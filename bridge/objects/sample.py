@@ -11,7 +11,7 @@ from ...core.model import Float32Array
 from ...core.texture.decode import srgb_from_linear
 from ..paint.ambient_occlusion import occlusion
 from ..paint.unwrap import unwrap
-from ..units import use_millimetres
+from ..units import use_millimeters
 
 NAME = "Suzanne"
 HEIGHT_MM = 60.0
@@ -32,7 +32,7 @@ def make_sample() -> bpy.types.Object:
         PrintError: xatlas is not installed.
     """
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    use_millimetres(bpy.context.scene)
+    use_millimeters(bpy.context.scene)
     obj = bpy.data.objects.new(NAME, _bust())
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
@@ -88,7 +88,7 @@ def _smooth_head() -> bpy.types.Mesh:
 
 
 def _image_node(obj: bpy.types.Object) -> bpy.types.ShaderNodeTexImage:
-    """A material on the object whose base colour is an image, still to be set; the node is the one to bake into."""
+    """A material on the object whose base color is an image, still to be set; the node is the one to bake into."""
     material = bpy.data.materials.new("Calico coat")
     if material.node_tree is None:
         material.use_nodes = True  # before Blender 5
@@ -115,7 +115,7 @@ def _baked(node: bpy.types.ShaderNodeTexImage, kind: str) -> Float32Array:
 
 
 def _image(linear: Float32Array) -> bpy.types.Image:
-    """A packed byte image of linear colours (H, W, 3)."""
+    """A packed byte image of linear colors (H, W, 3)."""
     rgba = np.ones((*linear.shape[:2], 4), dtype=np.float32)
     rgba[..., :3] = srgb_from_linear(np.clip(linear, 0.0, 1.0))
     image = bpy.data.images.new("Calico coat", linear.shape[1], linear.shape[0])
@@ -128,8 +128,8 @@ def coat(points: Float32Array) -> Float32Array:
     """Linear RGB (N, 3) of a calico cat at points (N, 3), in lengths of the body: white, ginger and black patches."""
     ginger = _patches(points, seed=11, share=0.05)
     black = _patches(points, seed=5, share=0.05)
-    colour = WHITE + (GINGER - WHITE) * ginger[:, None]
-    return colour + (BLACK - colour) * black[:, None]
+    color = WHITE + (GINGER - WHITE) * ginger[:, None]
+    return color + (BLACK - color) * black[:, None]
 
 
 def _patches(points: Float32Array, seed: int, share: float) -> Float32Array:

@@ -84,9 +84,9 @@ def darkened(image: bpy.types.Image, shade: Float32Array, strength: float) -> bp
         TextureError: the picture has no pixels.
     """
     pixels = image_pixels(image)
-    colours = pixels[..., : 3 if pixels.shape[2] > 2 else 1]
+    colors = pixels[..., : 3 if pixels.shape[2] > 2 else 1]
     light = (1.0 - strength * (1.0 - shade))[..., None]
-    colours[:] = srgb_from_linear(linear_from_srgb(colours) * light) if is_encoded(image) else colours * light
+    colors[:] = srgb_from_linear(linear_from_srgb(colors) * light) if is_encoded(image) else colors * light
     made = image.copy()
     made.name = f"{image.name} Occlusion"
     made.pixels.foreach_set(pixels.ravel())
@@ -157,12 +157,12 @@ def _dress(copy: bpy.types.Object, material: bpy.types.Material, image: bpy.type
         material.use_nodes = True  # before Blender 5
     tree = material.node_tree
     tree.nodes.clear()
-    colour, emission, output, target = (
+    color, emission, output, target = (
         tree.nodes.new(f"ShaderNode{kind}") for kind in ("VertexColor", "Emission", "OutputMaterial", "TexImage")
     )
-    colour.layer_name = _ATTRIBUTE
+    color.layer_name = _ATTRIBUTE
     target.image = image
-    tree.links.new(colour.outputs["Color"], emission.inputs["Color"])
+    tree.links.new(color.outputs["Color"], emission.inputs["Color"])
     tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
     tree.nodes.active = target
     copy.data.materials.append(material)

@@ -8,7 +8,7 @@ import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
 
-_COLOUR = (1.0, 0.55, 0.1, 1.0)
+_COLOR = (1.0, 0.55, 0.1, 1.0)
 _ARM_PX = 12
 
 
@@ -19,5 +19,5 @@ def draw_clicks(places: Sequence[tuple[float, float]]) -> None:
         x, y = bpy.context.region.view2d.view_to_region(*place, clip=False)
         ends += [(x - _ARM_PX, y), (x + _ARM_PX, y), (x, y - _ARM_PX), (x, y + _ARM_PX)]
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-    shader.uniform_float("color", _COLOUR)
+    shader.uniform_float("color", _COLOR)
     batch_for_shader(shader, "LINES", {"pos": [(x, y, 0.0) for x, y in ends]}).draw(shader)

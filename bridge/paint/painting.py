@@ -1,4 +1,4 @@
-"""Pictures to paint on: made in the right size, shown on the object, filled from a coloured picture."""
+"""Pictures to paint on: made in the right size, shown on the object, filled from a colored picture."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ...core.settings.printer import printer_profile
 from ...core.texture.decode import linear_from_srgb, srgb_from_linear
 from ...core.texture.grade import Grade, graded
 from ..bed import bounds_mm
-from ..input.base_color import BaseColour, base_colour, chosen_colour, picture_layer
-from ..input.image_input import image_colours
+from ..input.base_color import BaseColor, base_color, chosen_color, picture_layer
+from ..input.image_input import image_colors
 from ..input.printed_materials import printed_materials
 from ..units import mm_per_unit
 from .unwrap import GAP_MM, smart_project
 
-PALETTE = "Dual-Color Greys"
-GREYS = 11
+PALETTE = "Dual-Color Grays"
+GRAYS = 11
 SMALLEST, LARGEST = 256, 8192
 
 
@@ -74,24 +74,24 @@ def give_picture(obj: bpy.types.Object, texel_mm: float, tone: float) -> bpy.typ
 
 def picture_of(obj: bpy.types.Object) -> bpy.types.Image | None:
     """The picture that an object is printed with: the chosen one, else that of its materials."""
-    return _picture_colour(obj).image
+    return _picture_color(obj).image
 
 
 def picture_uv(obj: bpy.types.Object) -> bpy.types.MeshUVLoopLayer | None:
     """The UV map by which that picture is seen; None without any."""
-    return picture_layer(_picture_colour(obj), obj.data)
+    return picture_layer(_picture_color(obj), obj.data)
 
 
-def _picture_colour(obj: bpy.types.Object) -> BaseColour:
-    colours = [base_colour(material) for material in printed_materials(obj)]
+def _picture_color(obj: bpy.types.Object) -> BaseColor:
+    colors = [base_color(material) for material in printed_materials(obj)]
     if obj.dualcolor.image:
-        return chosen_colour(colours, obj.dualcolor.image, obj.data)
-    return next((colour for colour in colours if colour.image), BaseColour())
+        return chosen_color(colors, obj.dualcolor.image, obj.data)
+    return next((color for color in colors if color.image), BaseColor())
 
 
 def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bpy.types.Image) -> None:
     """Print and show another picture wherever an object has the former one; strokes go to it too."""
-    pictures = {base_colour(material).image for material in printed_materials(obj)} - {None}
+    pictures = {base_color(material).image for material in printed_materials(obj)} - {None}
     if obj.dualcolor.image == former or (not obj.dualcolor.image and pictures <= {former}):
         obj.dualcolor.image = picture  # which covers all of it
     for material in filter(None, printed_materials(obj)):
@@ -106,7 +106,7 @@ def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bp
 def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
     """Side of a square picture, a power of two, whose texels are no larger than `texel_mm` on the surface.
 
-    Objects too large for the printer count as large as it can print: the cube of a new scene is two metres wide.
+    Objects too large for the printer count as large as it can print: the cube of a new scene is two meters wide.
     """
     printer = printer_profile(obj.dualcolor.printer)
     size = np.ptp(bounds_mm([obj]), axis=0)
@@ -140,17 +140,17 @@ def _side_mm(obj: bpy.types.Object) -> float:
     return math.sqrt(surface / charted)
 
 
-def grey_picture(image: bpy.types.Image, grade: Grade) -> bpy.types.Image:
-    """A new, packed grey picture made from a coloured one, which is kept.
+def gray_picture(image: bpy.types.Image, grade: Grade) -> bpy.types.Image:
+    """A new, packed gray picture made from a colored one, which is kept.
 
     Raises:
         TextureError: the picture has no pixels, or the grade makes no sense.
     """
-    linear, alpha = image_colours(image)
-    grey = graded(linear, alpha, grade)
-    height, width = grey.shape
-    made = bpy.data.images.new(f"{image.name} Grey", width, height, alpha=True)
-    pixels = np.repeat(grey[..., None], 4, axis=2).astype(np.float32)
+    linear, alpha = image_colors(image)
+    gray = graded(linear, alpha, grade)
+    height, width = gray.shape
+    made = bpy.data.images.new(f"{image.name} Gray", width, height, alpha=True)
+    pixels = np.repeat(gray[..., None], 4, axis=2).astype(np.float32)
     pixels[..., 3] = alpha
     made.pixels.foreach_set(pixels.ravel())
     made.pack()
@@ -165,8 +165,8 @@ def _area(uv: FloatArray) -> FloatArray:
 
 def _new_picture(name: str, side: int, tone: float) -> bpy.types.Image:
     image = bpy.data.images.new(name, side, side, alpha=False)
-    grey = float(srgb_from_linear(np.array(tone)))
-    image.pixels.foreach_set(np.tile(np.array([grey, grey, grey, 1.0], dtype=np.float32), side * side))
+    gray = float(srgb_from_linear(np.array(tone)))
+    image.pixels.foreach_set(np.tile(np.array([gray, gray, gray, 1.0], dtype=np.float32), side * side))
     image.pack()
     return image
 
@@ -188,7 +188,7 @@ def _show_in_new_material(obj: bpy.types.Object, image: bpy.types.Image) -> None
 
 
 def _take_black(paint: bpy.types.ImagePaint) -> None:
-    """Set the brush colour to black, whether brushes have a colour each or, as usual, one for all."""
+    """Set the brush color to black, whether brushes have a color each or, as usual, one for all."""
     # Before Blender 5 all painting modes shared one.
     shared = getattr(paint, "unified_paint_settings", None) or bpy.context.tool_settings.unified_paint_settings
     for holder in filter(None, (paint.brush, shared)):
@@ -196,13 +196,13 @@ def _take_black(paint: bpy.types.ImagePaint) -> None:
 
 
 def _palette() -> bpy.types.Palette:
-    """Greys from the black filament to the white one, in perceptually equal steps."""
+    """Grays from the black filament to the white one, in perceptually equal steps."""
     palette = bpy.data.palettes.get(PALETTE)
     if palette is None:
         palette = bpy.data.palettes.new(PALETTE)
-        greys = np.linspace(0.0, 1.0, GREYS)
+        grays = np.linspace(0.0, 1.0, GRAYS)
         if bpy.types.PaletteColor.bl_rna.properties["color"].subtype == "COLOR":  # linear, since Blender 5
-            greys = linear_from_srgb(greys)
-        for grey in greys.tolist():
-            palette.colors.new().color = (grey, grey, grey)
+            grays = linear_from_srgb(grays)
+        for gray in grays.tolist():
+            palette.colors.new().color = (gray, gray, gray)
     return palette

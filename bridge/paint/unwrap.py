@@ -15,7 +15,7 @@ from ..units import mm_per_unit
 
 UV_LAYER = "Dual-Color"
 GAP_MM = 0.5
-"""Between charts: the soft proof reads a sixth of a millimetre beyond them, on flat walls twice as much."""
+"""Between charts: the soft proof reads a sixth of a millimeter beyond them, on flat walls twice as much."""
 _FILLED, _WIDEST = 0.6, 0.02  # share of the picture that charts fill; share of its side that is left around a chart
 _MOST_UV_MAPS = 8  # that Blender lets a mesh have
 
@@ -98,7 +98,7 @@ def _check(obj: bpy.types.Object) -> None:
 
 
 def _scale(obj: bpy.types.Object) -> float:
-    """Millimetres in one of the object's own units, on average over its axes."""
+    """Millimeters in one of the object's own units, on average over its axes."""
     return abs(obj.matrix_world.to_3x3().determinant()) ** (1 / 3) * mm_per_unit(bpy.context.scene) or 1.0
 
 

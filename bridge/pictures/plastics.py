@@ -5,24 +5,24 @@ from __future__ import annotations
 import bpy
 
 REFLECTANCE = {"Black": 0.02, "White": 0.8}
-"""Diffuse reflectance, linear, of ABS in both colours."""
+"""Diffuse reflectance, linear, of ABS in both colors."""
 
 _ROUGHNESS = 0.4
 _REFRACTIVE_INDEX = 1.53
 
 
-def plastic(colour: str) -> bpy.types.Material:
-    """The material `<colour> ABS`; one that is there already is used as it is, so that a user may change it.
+def plastic(color: str) -> bpy.types.Material:
+    """The material `<color> ABS`; one that is there already is used as it is, so that a user may change it.
 
     Args:
-        colour: "Black" or "White".
+        color: "Black" or "White".
     """
-    name = f"{colour} ABS"
-    return bpy.data.materials.get(name) or diffuse_material(name, REFLECTANCE[colour], _ROUGHNESS, _REFRACTIVE_INDEX)
+    name = f"{color} ABS"
+    return bpy.data.materials.get(name) or diffuse_material(name, REFLECTANCE[color], _ROUGHNESS, _REFRACTIVE_INDEX)
 
 
 def diffuse_material(name: str, reflectance: float, roughness: float, refractive_index: float) -> bpy.types.Material:
-    """A new grey dielectric, the same in the viewport and in Cycles."""
+    """A new gray dielectric, the same in the viewport and in Cycles."""
     material = bpy.data.materials.new(name)
     material.diffuse_color = (reflectance, reflectance, reflectance, 1.0)
     material.roughness = roughness

@@ -184,7 +184,7 @@ def _copy_strands(
 ) -> tuple[FloatArray, float]:
     """Put copies of the wanted strands into the scene; (N, 3) all their points there, and the scale of the copies.
 
-    The copies are scaled to one size, for rods of a tenth of a millimetre in a scene of metres are too thin for the
+    The copies are scaled to one size, for rods of a tenth of a millimeter in a scene of meters are too thin for the
     renderer's single precision: it would add specks of light.
     """
     wanted = []

@@ -30,7 +30,7 @@ def camera_place(points: FloatArray, axes: FloatArray, half_width: float, half_h
     """(3,) nearest place from which a camera sees all points.
 
     Each side of its pyramid of view is a half-space that must hold all points; where the pair left-right or top-bottom
-    is the tighter one it sets the distance, and the other pair is centred.
+    is the tighter one it sets the distance, and the other pair is centered.
 
     Args:
         points: (N, 3).

@@ -16,7 +16,7 @@ from ...core.analysis.soft_proof import TAPS
 from ...core.printability.slopes import DEGRADED_DEG, GONE_DEG
 from ...core.records import dataclass
 from ...core.texture.decode import LUMINANCE
-from ..input.base_color import BaseColour
+from ..input.base_color import BaseColor
 from ..pictures.plastics import diffuse_material
 
 ACROSS, UP, GRADIENT, STRIPES, BACKGROUND = "Across", "Up", "Gradient", "Stripes", "Background"
@@ -24,9 +24,9 @@ ACROSS, UP, GRADIENT, STRIPES, BACKGROUND = "Across", "Up", "Gradient", "Stripes
 scene, and the tone where nothing is painted."""
 
 RESPONSE, SHOWN = "Response", "Shown"
-"""The nodes that look up the table and that give the colour."""
+"""The nodes that look up the table and that give the color."""
 
-_WARNING_COLOUR = (0.8, 0.2, 0.01)
+_WARNING_COLOR = (0.8, 0.2, 0.01)
 _DEGRADED_TINT, _GONE_TINT = 0.35, 0.5
 
 Socket = bpy.types.NodeSocket
@@ -36,7 +36,7 @@ Socket = bpy.types.NodeSocket
 class Paint:
     """Where the tone of a proof comes from, and whether its picture is repeated."""
 
-    source: BaseColour
+    source: BaseColor
     repeats: bool
 
 
@@ -122,16 +122,16 @@ def _tone(graph: _Graph, paint: Paint, normal: Socket) -> Socket:
     if source.image:
         return _picture_tone(graph, paint, normal)
     if source.attribute:
-        colour = graph.node("VertexColor", layer_name=source.attribute)
-        return _painted(graph, colour.outputs["Color"], colour.outputs["Alpha"])
-    if source.colour:
-        return _painted(graph, graph.combined(*source.colour[:3]), source.colour[3])
+        color = graph.node("VertexColor", layer_name=source.attribute)
+        return _painted(graph, color.outputs["Color"], color.outputs["Alpha"])
+    if source.color:
+        return _painted(graph, graph.combined(*source.color[:3]), source.color[3])
     return graph.number(BACKGROUND)
 
 
-def _painted(graph: _Graph, colour: Socket, alpha: Socket | float) -> Socket:
+def _painted(graph: _Graph, color: Socket, alpha: Socket | float) -> Socket:
     """Luminance, blended over the background."""
-    tone = graph.vector("DOT_PRODUCT", colour, LUMINANCE)
+    tone = graph.vector("DOT_PRODUCT", color, LUMINANCE)
     if alpha == 1.0:
         return graph.math("MAXIMUM", tone, 0.0, clamp=True)
     background = graph.number(BACKGROUND)
@@ -220,7 +220,7 @@ def _marked(graph: _Graph, reflectance: Socket, rise: Socket) -> Socket:
     stripe = graph.math("LESS_THAN", graph.math("FRACT", diagonal), 0.5)
     striped = graph.math("MULTIPLY", graph.math("MULTIPLY", degraded, stripe), _DEGRADED_TINT)
     tint = graph.math("MULTIPLY_ADD", gone, _GONE_TINT, striped)
-    away = graph.vector("SUBTRACT", _WARNING_COLOUR, reflectance)
+    away = graph.vector("SUBTRACT", _WARNING_COLOR, reflectance)
     shown = graph.vector("MULTIPLY_ADD", away, graph.combined(tint, tint, tint), reflectance)
     shown.node.name = shown.node.label = SHOWN
     return shown

@@ -17,7 +17,7 @@ def proof_picture(obj: bpy.types.Object, face: Face, mm_per_pixel: float, sample
     """What the proof shows of a face, rendered by Cycles from the same nodes that the viewport draws.
 
     Args:
-        obj: an object that is shown as it will print, in a scene of millimetres.
+        obj: an object that is shown as it will print, in a scene of millimeters.
         face: the rectangle to look at, where the object stands.
         mm_per_pixel: on the face.
         samples: of each pixel.
@@ -31,7 +31,7 @@ def proof_picture(obj: bpy.types.Object, face: Face, mm_per_pixel: float, sample
         for slot in copy.material_slots:
             if is_proof(slot.material):
                 slot.material = _shining(slot.material)
-        copy.matrix_world = Matrix.Translation([-place for place in face.centre]) @ obj.matrix_world
+        copy.matrix_world = Matrix.Translation([-place for place in face.center]) @ obj.matrix_world
         scene = bpy.data.scenes.new("Soft Proof")
         scene.collection.objects.link(copy)
         corners = np.array([copy.matrix_world @ Vector(corner) for corner in obj.bound_box])
@@ -40,7 +40,7 @@ def proof_picture(obj: bpy.types.Object, face: Face, mm_per_pixel: float, sample
 
 
 def _shining(proof: bpy.types.Material) -> bpy.types.Material:
-    """The same material with its colour as emission instead of lit."""
+    """The same material with its color as emission instead of lit."""
     made = proof.copy()
     nodes, links = made.node_tree.nodes, made.node_tree.links
     shine = nodes.new("ShaderNodeEmission")

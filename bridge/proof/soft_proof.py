@@ -17,7 +17,7 @@ import numpy as np
 from ...core.analysis.soft_proof import ProofTable, proof_settings, proof_table, proof_window, repeats, tone_range
 from ...core.errors import PrintError
 from ...core.settings import PrintSettings
-from ..input.base_color import BaseColour, base_colour, chosen_colour, picture_layer
+from ..input.base_color import BaseColor, base_color, chosen_color, picture_layer
 from ..input.mesh_input import surface_model
 from ..input.printed_materials import COVERED_KEY, PROOF_KEY, is_proof, printed_materials
 from ..units import mm_per_unit
@@ -126,24 +126,24 @@ def _response(proof: bpy.types.Material) -> bpy.types.Image | None:
     return node.image if node else None
 
 
-def _sources(obj: bpy.types.Object) -> list[BaseColour]:
+def _sources(obj: bpy.types.Object) -> list[BaseColor]:
     """Where each slot's tone comes from, at least one; as `mesh_input.surface_model` decides it."""
     mesh, image = obj.data, obj.dualcolor.image
-    colours = [base_colour(material) for material in printed_materials(obj)] or [BaseColour()]
+    colors = [base_color(material) for material in printed_materials(obj)] or [BaseColor()]
     if image:
-        colours = [chosen_colour(colours, image, mesh)] * len(colours)
-    pictured = any(colour.image for colour in colours)
-    active_colour = mesh.color_attributes.active_color
+        colors = [chosen_color(colors, image, mesh)] * len(colors)
+    pictured = any(color.image for color in colors)
+    active_color = mesh.color_attributes.active_color
     found = []
-    for colour in colours:
-        if colour.image:
-            found.append(replace(colour, uv_map=picture_layer(colour, mesh).name))
-        elif colour.attribute in mesh.color_attributes:
-            found.append(colour)
-        elif active_colour and not pictured:
-            found.append(BaseColour(attribute=active_colour.name))
+    for color in colors:
+        if color.image:
+            found.append(replace(color, uv_map=picture_layer(color, mesh).name))
+        elif color.attribute in mesh.color_attributes:
+            found.append(color)
+        elif active_color and not pictured:
+            found.append(BaseColor(attribute=active_color.name))
         else:
-            found.append(BaseColour(colour=colour.colour if pictured else None))
+            found.append(BaseColor(color=color.color if pictured else None))
     return found
 
 

@@ -49,7 +49,7 @@ def apply_view(collection: bpy.types.Collection) -> None:
                 _set_input(modifier, sockets[name], value)
             modifier.show_viewport = modifier.show_render = not everything
             shown.update_tag()
-        paint(shown, view.colour_by)
+        paint(shown, view.color_by)
 
 
 def _set_input(modifier: bpy.types.NodesModifier, identifier: str, value: int) -> None:
@@ -150,9 +150,9 @@ StrandView = type(
         "__annotations__": {
             "layer_from": _layer("From Layer", "First visible layer", 0),
             "layer_to": _layer("To Layer", "Last visible layer", _MOST_LAYERS),
-            "colour_by": bpy.props.EnumProperty(
-                name="Colour",
-                description="What the colours of the strands show; visible in Material Preview and in renders",
+            "color_by": bpy.props.EnumProperty(
+                name="Color",
+                description="What the colors of the strands show; visible in Material Preview and in renders",
                 items=[("FILAMENT", "Filament", "As it will be printed")]
                 + [(key, legend.title, legend.description) for key, legend in LEGENDS.items()],
                 update=_changed,

@@ -97,7 +97,7 @@ def new_curves(
 
 
 def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple[str, IntArray, float]]:
-    """(colour, numbers of strands, height to width) of every object: one a filament where all lines are alike.
+    """(color, numbers of strands, height to width) of every object: one a filament where all lines are alike.
 
     An object's scale warps all its rods to ovals of one height-to-width ratio. So rounder lines, much thinner ones, or
     a first layer of another height, make objects of their own; smaller differences keep the area and give up the ratio.
@@ -125,9 +125,9 @@ def _groups(laid: Strands, roundness: FloatArray, black_tool: int) -> list[tuple
         one = members[0]
         plain = step[one] == 0
         resting = usual if plain else float(np.median(ratio[members]))
-        centre = resting ** (1.0 - float(roundness[one]))
-        colour = "White" if is_white[one] else "Black"
-        groups.append((colour if plain and roundness[one] == 0 else f"{colour} {centre:.2f}", members, centre))
+        center = resting ** (1.0 - float(roundness[one]))
+        color = "White" if is_white[one] else "Black"
+        groups.append((color if plain and roundness[one] == 0 else f"{color} {center:.2f}", members, center))
     return groups
 
 

@@ -11,18 +11,18 @@ from ..printability.slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
 from .picture import CLAY, Stroke, dots, draw
 from .study import NO_SEAMS, Analysis
 from .surface_curves import (
-    BIRTH_COLOUR,
-    DEATH_COLOUR,
-    DEGRADED_COLOUR,
-    DISCARDED_COLOUR,
-    FADED_COLOUR,
-    GONE_COLOUR,
-    HEAT_COLOURS,
+    BIRTH_COLOR,
+    DEATH_COLOR,
+    DEGRADED_COLOR,
+    DISCARDED_COLOR,
+    FADED_COLOR,
+    GONE_COLOR,
+    HEAT_COLORS,
     HEAT_STOPS,
-    SHORT_COLOUR,
-    TRACE_COLOUR,
+    SHORT_COLOR,
+    TRACE_COLOR,
     faded_curves,
-    heat_colours,
+    heat_colors,
     heat_curves,
     loop_curves,
     sample_points,
@@ -41,11 +41,11 @@ def heatmap(found: Analysis, view: tuple[float, float], pixels: int = 900) -> Pi
     if found.errors is None:
         raise PrintError(NO_SEAMS)
     seams, discarded = heat_curves(found.lines, found.layers.plane, found.errors)
-    strokes = [Stroke(discarded, DISCARDED_COLOUR, 0.5), *_guards(found)]
-    strokes += [Stroke(one, heat_colours(one.value), 1.0 + 0.25 * number) for number, one in enumerate(seams)]
-    legend = [(colour, f"{stop:g}") for colour, stop in zip(HEAT_COLOURS, HEAT_STOPS, strict=True)]
-    legend += [(DISCARDED_COLOUR, f"not compared {found.errors.discarded.mean():.1%}")]
-    legend += [(FADED_COLOUR, "wave faded"), (SHORT_COLOUR, "outline too short")]
+    strokes = [Stroke(discarded, DISCARDED_COLOR, 0.5), *_guards(found)]
+    strokes += [Stroke(one, heat_colors(one.value), 1.0 + 0.25 * number) for number, one in enumerate(seams)]
+    legend = [(color, f"{stop:g}") for color, stop in zip(HEAT_COLORS, HEAT_STOPS, strict=True)]
+    legend += [(DISCARDED_COLOR, f"not compared {found.errors.discarded.mean():.1%}")]
+    legend += [(FADED_COLOR, "wave faded"), (SHORT_COLOR, "outline too short")]
     return draw(found.mesh, strokes, view, pixels, legend=legend)
 
 
@@ -59,14 +59,14 @@ def traceline_picture(found: Analysis, view: tuple[float, float], pixels: int = 
         raise PrintError(NO_SEAMS)
     lines, plane, samples, traced = found.lines, found.layers.plane, found.samples, found.traced
     strokes = [
-        Stroke(trace_curves(lines, plane, samples, traced), TRACE_COLOUR, 0.5),
-        Stroke(dots(sample_points(lines, plane, samples, traced.birth)), BIRTH_COLOUR, 3.0),
-        Stroke(dots(sample_points(lines, plane, samples, traced.death)), DEATH_COLOUR, 3.0),
+        Stroke(trace_curves(lines, plane, samples, traced), TRACE_COLOR, 0.5),
+        Stroke(dots(sample_points(lines, plane, samples, traced.birth)), BIRTH_COLOR, 3.0),
+        Stroke(dots(sample_points(lines, plane, samples, traced.death)), DEATH_COLOR, 3.0),
     ]
     legend = [
-        (TRACE_COLOUR, f"{len(traced.start) - 1:,} tracelines"),
-        (BIRTH_COLOUR, f"{traced.birth.sum():,} births"),
-        (DEATH_COLOUR, f"{traced.death.sum():,} deaths"),
+        (TRACE_COLOR, f"{len(traced.start) - 1:,} tracelines"),
+        (BIRTH_COLOR, f"{traced.birth.sum():,} births"),
+        (DEATH_COLOR, f"{traced.death.sum():,} deaths"),
     ]
     return draw(found.mesh, strokes, view, pixels, legend=legend)
 
@@ -75,21 +75,21 @@ def slope_picture(found: Analysis, view: tuple[float, float], pixels: int = 900)
     """Faces that are too flat for tones."""
     slopes = found.report["slopes"]
     legend = [
-        (DEGRADED_COLOUR, f"below {DEGRADED_DEG:.0f}°: {slopes['contrast_degraded']:.1%} of the painted contrast"),
-        (GONE_COLOUR, f"below {GONE_DEG:.0f}°: {slopes['contrast_gone']:.1%}"),
+        (DEGRADED_COLOR, f"below {DEGRADED_DEG:.0f}°: {slopes['contrast_degraded']:.1%} of the painted contrast"),
+        (GONE_COLOR, f"below {GONE_DEG:.0f}°: {slopes['contrast_gone']:.1%}"),
     ]
-    return draw(found.mesh, [], view, pixels, slope_colours(found), legend)
+    return draw(found.mesh, [], view, pixels, slope_colors(found), legend)
 
 
-def slope_colours(found: Analysis) -> FloatArray:
+def slope_colors(found: Analysis) -> FloatArray:
     """(F, 3) sRGB of the faces."""
     angle = from_flat_deg(found.mesh)[:, None]
-    return np.where(angle < GONE_DEG, GONE_COLOUR, np.where(angle < DEGRADED_DEG, DEGRADED_COLOUR, CLAY))
+    return np.where(angle < GONE_DEG, GONE_COLOR, np.where(angle < DEGRADED_DEG, DEGRADED_COLOR, CLAY))
 
 
 def _guards(found: Analysis) -> list[Stroke]:
     plane = found.layers.plane
     return [
-        Stroke(faded_curves(found.lines, plane, found.faded), FADED_COLOUR, 0.5),
-        Stroke(loop_curves(found.lines, plane, found.too_short), SHORT_COLOUR, 0.75),
+        Stroke(faded_curves(found.lines, plane, found.faded), FADED_COLOR, 0.5),
+        Stroke(loop_curves(found.lines, plane, found.too_short), SHORT_COLOR, 0.75),
     ]

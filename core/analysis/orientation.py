@@ -96,8 +96,8 @@ def directions(mesh: TriangleMesh, paint: FaceContrast) -> FloatArray:
     """
     grid = np.stack(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     grid = grid[np.any(grid != 0, axis=1)]
-    centre = mesh.vertices[mesh.faces].mean(axis=1)
-    away = centre - np.average(centre, axis=0, weights=np.maximum(paint.area, 1e-12))
+    center = mesh.vertices[mesh.faces].mean(axis=1)
+    away = center - np.average(center, axis=0, weights=np.maximum(paint.area, 1e-12))
     axes = np.linalg.eigh(np.einsum("f,fi,fj->ij", paint.area, away, away))[1].T
     found = np.concatenate([[[0.0, 0.0, 1.0]], -_flat_faces(paint), axes, -axes, grid])
     found /= np.linalg.norm(found, axis=1)[:, None]

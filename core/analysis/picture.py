@@ -36,12 +36,12 @@ class Stroke:
 
     Attributes:
         curves: what to draw; a curve of a single point is a dot.
-        colours: (N, 3) sRGB of each point, or one for all.
+        colors: (N, 3) sRGB of each point, or one for all.
         radius: pixels.
     """
 
     curves: SurfaceCurves
-    colours: FloatArray | Rgb
+    colors: FloatArray | Rgb
     radius: float = 1.0
 
 
@@ -66,24 +66,24 @@ def draw(
     strokes: Sequence[Stroke],
     view: tuple[float, float],
     pixels: int = 900,
-    face_colours: FloatArray | None = None,
+    face_colors: FloatArray | None = None,
     legend: Sequence[tuple[Rgb, str]] = (),
 ) -> Picture:
-    """Draw an object in clay, or in its faces' colours, with curves on it and a line that explains their colours.
+    """Draw an object in clay, or in its faces' colors, with curves on it and a line that explains their colors.
 
     Args:
         mesh: F faces.
         strokes: on its surface.
         view: azimuth and elevation, degrees, as in `viewing.VIEWS`.
         pixels: of the longer side.
-        face_colours: (F, 3) sRGB.
-        legend: colours and what they mean.
+        face_colors: (F, 3) sRGB.
+        legend: colors and what they mean.
     """
     from PIL import Image
 
     camera = _camera(mesh, view, pixels * _OVERSAMPLING)
     depth, face = _depth_buffer(mesh, camera)
-    image = _shaded(mesh, camera, face, face_colours)
+    image = _shaded(mesh, camera, face, face_colors)
     for stroke in strokes:
         _draw_stroke(image, depth, camera, stroke)
     size = (camera.width // _OVERSAMPLING, camera.height // _OVERSAMPLING)
@@ -138,16 +138,14 @@ def _pixels(place: FloatArray, camera: _Camera) -> IntArray:
     return np.asarray(row * camera.width + column)
 
 
-def _shaded(
-    mesh: TriangleMesh, camera: _Camera, face: IntArray, face_colours: FloatArray | None
-) -> NDArray[np.float32]:
+def _shaded(mesh: TriangleMesh, camera: _Camera, face: IntArray, face_colors: FloatArray | None) -> NDArray[np.float32]:
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None]
     light = np.array(_LIGHT) / np.linalg.norm(_LIGHT)
     bright = _AMBIENT + (1 - _AMBIENT) * np.maximum(normal @ camera.axes.T @ light, 0.0)
-    colours = np.broadcast_to(CLAY, normal.shape) if face_colours is None else face_colours
-    palette = np.concatenate([bright[:, None] * colours, [_PAPER]]).astype(np.float32)
+    colors = np.broadcast_to(CLAY, normal.shape) if face_colors is None else face_colors
+    palette = np.concatenate([bright[:, None] * colors, [_PAPER]]).astype(np.float32)
     return np.asarray(palette[face])
 
 
@@ -156,19 +154,19 @@ def _draw_stroke(image: NDArray[np.float32], depth: FloatArray, camera: _Camera,
     if not len(stroke.curves.points):
         return
     place, before = _along(camera.seen(stroke.curves.points), stroke.curves.start)
-    colours = np.broadcast_to(stroke.colours, (len(stroke.curves.points), 3))[before]
+    colors = np.broadcast_to(stroke.colors, (len(stroke.curves.points), 3))[before]
     behind = depth.ravel()[_pixels(place, camera)]
     visible = np.isfinite(behind) & (place[:, 2] >= behind - _BIAS_MM)
-    place, colours, value = place[visible], colours[visible], stroke.curves.value[before][visible]
+    place, colors, value = place[visible], colors[visible], stroke.curves.value[before][visible]
     order = np.argsort(value, kind="stable")  # what matters most is drawn last
-    place, colours = place[order], colours[order]
+    place, colors = place[order], colors[order]
     radius = stroke.radius * _OVERSAMPLING
     reach = int(np.ceil(radius))
     flat = image.reshape(-1, 3)
     for down in range(-reach, reach + 1):
         for across in range(-reach, reach + 1):
             if down**2 + across**2 <= radius**2:
-                flat[_pixels(place + np.array([across, down, 0.0]), camera)] = colours
+                flat[_pixels(place + np.array([across, down, 0.0]), camera)] = colors
 
 
 def _along(seen: FloatArray, start: IntArray) -> tuple[FloatArray, IntArray]:
@@ -192,12 +190,12 @@ def _with_legend(picture: Picture, legend: Sequence[tuple[Rgb, str]]) -> Picture
     font = ImageFont.load_default(_TEXT_HEIGHT * 0.85)
     rows: list[list[tuple[Rgb, str, int]]] = [[]]
     left = _TEXT_HEIGHT
-    for colour, text in legend:
+    for color, text in legend:
         width = int(font.getlength(text)) + 3 * _TEXT_HEIGHT
         if left + width > picture.shape[1] and rows[-1]:
             rows.append([])
             left = _TEXT_HEIGHT
-        rows[-1].append((colour, text, left))
+        rows[-1].append((color, text, left))
         left += width
     height, line = picture.shape[0], int(1.5 * _TEXT_HEIGHT)
     sheet = Image.new("RGB", (picture.shape[1], height + line * len(rows) + _TEXT_HEIGHT // 2), (255, 255, 255))
@@ -205,12 +203,12 @@ def _with_legend(picture: Picture, legend: Sequence[tuple[Rgb, str]]) -> Picture
     pen = ImageDraw.Draw(sheet)
     for number, row in enumerate(rows):
         top = height + line * number
-        for colour, text, left in row:
-            pen.rectangle((left, top + 3, left + _TEXT_HEIGHT - 2, top + _TEXT_HEIGHT), _byte(colour))
+        for color, text, left in row:
+            pen.rectangle((left, top + 3, left + _TEXT_HEIGHT - 2, top + _TEXT_HEIGHT), _byte(color))
             pen.text((left + int(1.3 * _TEXT_HEIGHT), top), text, _INK, font)
     return np.asarray(sheet)
 
 
-def _byte(colour: Rgb) -> tuple[int, int, int]:
-    red, green, blue = (round(255 * value) for value in colour)
+def _byte(color: Rgb) -> tuple[int, int, int]:
+    red, green, blue = (round(255 * value) for value in color)
     return red, green, blue

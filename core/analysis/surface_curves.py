@@ -1,4 +1,4 @@
-"""Curves on the object's surface that show the findings of an analysis, their classes and colours."""
+"""Curves on the object's surface that show the findings of an analysis, their classes and colors."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ Rgb = tuple[float, float, float]
 """sRGB-encoded, 0 to 1."""
 
 HEAT_STOPS = (0.05, 1.5, 3.0, 4.0)
-HEAT_COLOURS: tuple[Rgb, ...] = ((0.10, 0.62, 0.18), (0.98, 0.60, 0.05), (0.86, 0.08, 0.08), (0.50, 0.05, 0.55))
-"""Errors and their colours; what is less is transparent (paper, section 6.4)."""
-DISCARDED_COLOUR: Rgb = (0.20, 0.50, 0.95)
-TRACE_COLOUR: Rgb = (0.10, 0.13, 0.28)
-BIRTH_COLOUR: Rgb = (0.05, 0.62, 0.45)
-DEATH_COLOUR: Rgb = (0.88, 0.25, 0.05)
-FADED_COLOUR: Rgb = (0.90, 0.20, 0.75)
-SHORT_COLOUR: Rgb = (0.10, 0.75, 0.85)
-DEGRADED_COLOUR: Rgb = (0.98, 0.78, 0.20)
-GONE_COLOUR: Rgb = (0.85, 0.15, 0.10)
+HEAT_COLORS: tuple[Rgb, ...] = ((0.10, 0.62, 0.18), (0.98, 0.60, 0.05), (0.86, 0.08, 0.08), (0.50, 0.05, 0.55))
+"""Errors and their colors; what is less is transparent (paper, section 6.4)."""
+DISCARDED_COLOR: Rgb = (0.20, 0.50, 0.95)
+TRACE_COLOR: Rgb = (0.10, 0.13, 0.28)
+BIRTH_COLOR: Rgb = (0.05, 0.62, 0.45)
+DEATH_COLOR: Rgb = (0.88, 0.25, 0.05)
+FADED_COLOR: Rgb = (0.90, 0.20, 0.75)
+SHORT_COLOR: Rgb = (0.10, 0.75, 0.85)
+DEGRADED_COLOR: Rgb = (0.98, 0.78, 0.20)
+GONE_COLOR: Rgb = (0.85, 0.15, 0.10)
 
 _LIFT_MM = 0.05
 _LEAST_FADED = 0.05
@@ -40,7 +40,7 @@ class SurfaceCurves:
     Attributes:
         points: (N, 3) mm.
         start: (K + 1,) int64.
-        value: (N,) value that the colour stands for, such as the seam error.
+        value: (N,) value that the color stands for, such as the seam error.
     """
 
     points: FloatArray
@@ -48,9 +48,9 @@ class SurfaceCurves:
     value: FloatArray
 
 
-def heat_colours(error: FloatArray) -> FloatArray:
-    """(N, 3) sRGB colours of seam errors (N,), blended between the stops."""
-    return np.stack([np.interp(error, HEAT_STOPS, channel) for channel in np.array(HEAT_COLOURS).T], axis=1)
+def heat_colors(error: FloatArray) -> FloatArray:
+    """(N, 3) sRGB colors of seam errors (N,), blended between the stops."""
+    return np.stack([np.interp(error, HEAT_STOPS, channel) for channel in np.array(HEAT_COLORS).T], axis=1)
 
 
 def heat_class(error: FloatArray) -> IntArray:
@@ -60,7 +60,7 @@ def heat_class(error: FloatArray) -> IntArray:
 
 
 def heat_curves(lines: Contours, plane: FloatArray, errors: SeamErrors) -> tuple[list[SurfaceCurves], SurfaceCurves]:
-    """Seams as curves: one set for each colour of `HEAT_COLOURS`, and one for the probes that were discarded.
+    """Seams as curves: one set for each color of `HEAT_COLORS`, and one for the probes that were discarded.
 
     Args:
         lines: contours.

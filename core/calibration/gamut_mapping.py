@@ -67,7 +67,7 @@ def printable_tones(
 def image_range(tone: FloatArray, area_mm2: FloatArray | float) -> tuple[float, float]:
     """The darkest and the lightest tone of a picture on a surface, specks left out.
 
-    At least a square millimetre of the surface, or a thousandth of it if that is less, is as dark or as light: a broken
+    At least a square millimeter of the surface, or a thousandth of it if that is less, is as dark or as light: a broken
     or blown-out pixel does not count, a word of fine print does. Both are told in steps of 1/256, outwards, so that a
     stroke somewhere hardly ever changes the tones of all the rest.
 

@@ -83,7 +83,7 @@ def checked_corners(photo: Photograph, corners: FloatArray, settings: PrintSetti
     if not (np.isfinite(corners).all() and (corners >= 0).all() and (corners <= (wide, high)).all()):
         raise CalibrationError("a corner lies outside of the photograph", "give pixels from its upper left")
     if not is_clockwise(corners):
-        raise CalibrationError("the corners cross or run anticlockwise", "give them clockwise around the tile")
+        raise CalibrationError("the corners cross or run counterclockwise", "give them clockwise around the tile")
     sigma = max(float(np.sqrt(_area(corners)) / 80), 0.5)
     part, begin = photo.cropped(corners, 8 * sigma)
     factor = max(int(sigma / 4), 1)
@@ -226,7 +226,7 @@ def _saddles(light: FloatArray) -> FloatArray:
 
 
 def _is_peak(values: FloatArray) -> BoolArray:
-    """(H - 2, W - 2) whether values are positive and greater than their eight neighbours."""
+    """(H - 2, W - 2) whether values are positive and greater than their eight neighbors."""
     high, wide = values.shape
     middle = values[1:-1, 1:-1]
     shifted = [values[r : high - 2 + r, c : wide - 2 + c] for r in range(3) for c in range(3) if (r, c) != (1, 1)]

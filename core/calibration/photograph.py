@@ -22,7 +22,7 @@ class Photograph:
 
     Attributes:
         light: (H, W) linear luminance, row 0 at the top.
-        is_full: (H, W) where a colour channel is at the file's maximum.
+        is_full: (H, W) where a color channel is at the file's maximum.
     """
 
     light: Float32Array
@@ -50,11 +50,11 @@ def read_photograph(path: Path, as_stored: bool = False) -> Photograph:
     """A photograph in a file.
 
     Args:
-        path: of a file with 8 bits per colour.
+        path: of a file with 8 bits per color.
         as_stored: as Blender shows it; otherwise turned by its EXIF orientation, as photo programs show it.
 
     Raises:
-        CalibrationError: it is missing, or not a picture of 8 bits per colour.
+        CalibrationError: it is missing, or not a picture of 8 bits per color.
         TextureError: it is too large.
     """
     from PIL import Image, ImageOps
@@ -65,7 +65,7 @@ def read_photograph(path: Path, as_stored: bool = False) -> Photograph:
             warnings.simplefilter("ignore")
             with Image.open(path) as image:
                 if image.mode.startswith(("I", "F")):
-                    raise CalibrationError(f"{path} has more than 8 bits per colour", _HINT)
+                    raise CalibrationError(f"{path} has more than 8 bits per color", _HINT)
                 shown = image if as_stored else ImageOps.exif_transpose(image)
                 values = np.asarray(shown.convert("RGB"))
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as problem:

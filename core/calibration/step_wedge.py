@@ -24,7 +24,7 @@ MARKS = np.array([(0.5, 0.5), (COLUMNS - 0.5, 0.5), (COLUMNS - 0.5, ROWS - 0.5),
 BRIM_MM = 5.0  # a plate that stands upright needs a foot
 
 _WAVES, _PERIODS = 6, 6  # width of a patch in waves, height in periods
-_MARGIN_WAVES, _MARGIN_PERIODS = 1, 1  # on each side that are not read, since neighbours blend there
+_MARGIN_WAVES, _MARGIN_PERIODS = 1, 1  # on each side that are not read, since neighbors blend there
 _FRAME_MM, _FRAME_TONE, _THICKNESS_MM = 3.0, 0.5, 4.0
 
 

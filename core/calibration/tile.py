@@ -29,7 +29,7 @@ class Tile:
     Attributes:
         model: the mesh with its picture.
         slant_deg: 0 an upright face, towards 90 one that looks up.
-        centre: (3,) mm, the middle of the face, relative to the least corner of the model's bounds.
+        center: (3,) mm, the middle of the face, relative to the least corner of the model's bounds.
         width: mm, of the part that is measured.
         height: mm up the face, of the part that is measured: whole periods of the pattern.
         layers: that the measured part is high.
@@ -39,7 +39,7 @@ class Tile:
 
     model: SurfaceModel
     slant_deg: float
-    centre: tuple[float, float, float]
+    center: tuple[float, float, float]
     width: float
     height: float
     layers: int
@@ -115,8 +115,8 @@ def _tile(
     shown = at((np.arange(columns) + 0.5) * (width / columns) - width / 2).astype(np.float32)
     picture = ToneImage(np.repeat(shown[None, :], rows, axis=0), np.ones((rows, columns), dtype=np.float32))
     model = leaning_slab(width, length, slant_deg, picture, f"Tile {slant_deg:g}")
-    centre = (width / 2, length / 2 * math.sin(slant), length / 2 * math.cos(slant))
-    return Tile(model, slant_deg, centre, 2 * half, measured, periods * PERIOD_LAYERS, place, tone)
+    center = (width / 2, length / 2 * math.sin(slant), length / 2 * math.cos(slant))
+    return Tile(model, slant_deg, center, 2 * half, measured, periods * PERIOD_LAYERS, place, tone)
 
 
 def leaning_slab(width: float, length: float, slant_deg: float, picture: ToneImage, name: str) -> SurfaceModel:

@@ -1,4 +1,4 @@
-"""Values along closed loops: differences to neighbours, and low-pass filters.
+"""Values along closed loops: differences to neighbors, and low-pass filters.
 
 Coordinates are rows here, (2, N): arithmetic on long rows is several times as fast as on N pairs.
 """
@@ -59,7 +59,7 @@ def gaussian(sigma: float) -> FloatArray:
 
 
 def box(reach: int) -> FloatArray:
-    """(2 reach + 1,) equal weights of a value and `reach` neighbours on both sides; they sum to 1."""
+    """(2 reach + 1,) equal weights of a value and `reach` neighbors on both sides; they sum to 1."""
     return np.full(2 * reach + 1, 1 / (2 * reach + 1))
 
 

@@ -123,12 +123,12 @@ def _of_blocks(most: np.ufunc, values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _reached(
-    centre: FloatArray, radius: float, middle: FloatArray, this: IntArray, other: IntArray
+    center: FloatArray, radius: float, middle: FloatArray, this: IntArray, other: IntArray
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Which blocks reach into the circles of which points.
 
     Args:
-        centre: (2, B, BLOCK) mm, of each point's circle.
+        center: (2, B, BLOCK) mm, of each point's circle.
         radius: mm, of them all.
         middle: (2, B) mm, of the blocks.
         this: (C,) blocks.
@@ -137,13 +137,13 @@ def _reached(
     Returns:
         (P,) blocks, (P,) number of the point in each, and (P,) the other block.
     """
-    usual = centre[:, :, BLOCK // 2].copy()
-    off = centre - usual[:, :, None]
+    usual = center[:, :, BLOCK // 2].copy()
+    off = center - usual[:, :, None]
     apart = np.sqrt(_of_blocks(np.maximum, dot(off, off).ravel()))
     away = middle.take(other, axis=1) - usual.take(this, axis=1)
     kept = np.flatnonzero(dot(away, away) <= (radius + apart.take(this)) ** 2)
     this, other = this[kept], other[kept]
-    off = middle.take(other, axis=1)[:, :, None] - centre.take(this, axis=1)
+    off = middle.take(other, axis=1)[:, :, None] - center.take(this, axis=1)
     pair, number = np.nonzero(dot(off, off) <= radius**2)
     return this[pair], number, other[pair]
 
@@ -170,9 +170,9 @@ def _faced(middle: FloatArray, layer: IntArray, held: Bits, cell: float) -> IntA
         return np.flatnonzero(wanted & np.bitwise_or.reduce(held))
     around = np.zeros(cells, dtype=held.dtype)
     np.bitwise_or.at(around, key, held)
-    for neighbour in (1, columns):
+    for neighbor in (1, columns):
         own = around.copy()
-        for away in (neighbour, 2 * neighbour):
+        for away in (neighbor, 2 * neighbor):
             around[away:] |= own[:-away]
             around[:-away] |= own[away:]
     return np.flatnonzero(wanted & around.take(key))
@@ -255,7 +255,7 @@ def _across(
 
 
 def _ease(width: FloatArray, start: IntArray, most: float) -> None:
-    """Widths (N,) in place: the least of the neighbours, averaged over as many of them, without steps, nowhere more."""
+    """Widths (N,) in place: the least of the neighbors, averaged over as many of them, without steps, nowhere more."""
     narrow = np.flatnonzero(np.minimum.reduceat(width, start[:-1]) < most) if len(width) else start[:0]
     count = np.diff(start)[narrow]
     point, own = ranges(start[narrow], count), starts(count)

@@ -215,7 +215,7 @@ def reach_of(settings: PrintSettings) -> Reach:
 
 
 def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatArray:
-    """Outward unit normals, smoothed once more so that neighbouring waves do not fan out at a corner.
+    """Outward unit normals, smoothed once more so that neighboring waves do not fan out at a corner.
 
     Args:
         points: (2, N) mm.

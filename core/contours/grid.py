@@ -1,4 +1,4 @@
-"""Neighbour search among the points of all layers: a uniform grid in sorted arrays."""
+"""Neighbor search among the points of all layers: a uniform grid in sorted arrays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ CELLS_A_POINT = 64
 
 
 class PointGrid:
-    """Points of all layers sorted into square cells; neighbours are looked for within one layer only."""
+    """Points of all layers sorted into square cells; neighbors are looked for within one layer only."""
 
     def __init__(
         self, points: FloatArray, layer: IntArray, cell: float, table: bool = True, name: IntArray | None = None

@@ -29,7 +29,7 @@ def inset(
         normal: (2, N) unit vectors out of them.
         depth: (N,) mm.
         start: (M + 1,) offsets of the loops.
-        kernel: low-pass that smooths the reduced depth at a fold into that of its neighbours.
+        kernel: low-pass that smooths the reduced depth at a fold into that of its neighbors.
 
     Returns:
         (2, N) mm, the points; (2, N) mm, the step from each to the next; and 0 to 1, (N,) or one for all, the share of
@@ -69,7 +69,7 @@ def bend_room(
         points: (2, N) mm, of closed loops.
         square: (N,) mm², squared length of the step from each to the next.
         normal: (2, N) unit vectors.
-        turning: (N,) mm, by which a step gets longer, times its length, per millimetre moved along the normals.
+        turning: (N,) mm, by which a step gets longer, times its length, per millimeter moved along the normals.
         way: 1 where points move along the normals, -1 against them.
         start: (M + 1,) offsets of the loops.
         reach: mm, the farthest that a line is moved.

@@ -1,4 +1,4 @@
-"""The pieces of a region's boundary between two neighbouring crossings with scan lines."""
+"""The pieces of a region's boundary between two neighboring crossings with scan lines."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ def arcs(cut: Crossings) -> Arcs:
     of_vertex[(ring_size == 0)[cut.vertex_ring] | repeats] = -1
 
     steps = summable(np.hypot(np.diff(cut.vertices[:, 0]), np.diff(cut.vertices[:, 1])))
-    travelled = np.concatenate([[0.0], np.cumsum(np.where(repeats[:-1], 0.0, steps))])[: len(cut.vertices)]
-    place = travelled[cut.edge] + summable(np.hypot(*(cut.places - cut.vertices.take(cut.edge, axis=0)).T))
+    traveled = np.concatenate([[0.0], np.cumsum(np.where(repeats[:-1], 0.0, steps))])[: len(cut.vertices)]
+    place = traveled[cut.edge] + summable(np.hypot(*(cut.places - cut.vertices.take(cut.edge, axis=0)).T))
     length = place[end] - place
     closing = np.flatnonzero(repeats)[cut.vertex_ring[cut.edge[last]]]
     opening = np.concatenate([[0], np.flatnonzero(repeats)[:-1] + 1])[cut.vertex_ring[cut.edge[last]]]
-    length[last] += travelled[closing] - travelled[opening]
+    length[last] += traveled[closing] - traveled[opening]
     return Arcs(end, length, of_vertex)
 
 

@@ -42,7 +42,7 @@ def bridges(inside: Shapes, found: Skins, outlines: Shapes, island_layer: IntArr
     Args:
         inside: (I,) the region to fill of each island, or somewhat more.
         found: the skins in it.
-        outlines: (L,) cross-section of each layer, simplified by a twentieth of a millimetre or less.
+        outlines: (L,) cross-section of each layer, simplified by a twentieth of a millimeter or less.
         island_layer: (I,) layer of each island.
         settings: `is_hollow` and `extrusion_width` are used.
 

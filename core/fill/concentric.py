@@ -21,7 +21,7 @@ def nested(regions: Shapes, spacing_mm: float) -> tuple[Shapes, IntArray]:
 
     Args:
         regions: (I,) Polygon or MultiPolygon, maybe empty.
-        spacing_mm: distance of neighbouring loops, about.
+        spacing_mm: distance of neighboring loops, about.
 
     Returns:
         (R,) Polygon or MultiPolygon whose boundaries are the lines; (R,) the region of each.

@@ -47,7 +47,7 @@ def gaps_between(
     """What is left between each wall and the next one inside, where that does not fit.
 
     Args:
-        walls: (I,) regions bounded by a wall's centre line, from the waved outer wall in.
+        walls: (I,) regions bounded by a wall's center line, from the waved outer wall in.
         steps: how each wall but the first came from the one before.
         width_mm: (I,) of the lines.
         settings: tell whether the outer wall has waves.
@@ -145,7 +145,7 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
 
 
 def _on_grid(points: FloatArray) -> FloatArray:
-    """(N, 2) points on a grid, on which neighbours are the same or well apart."""
+    """(N, 2) points on a grid, on which neighbors are the same or well apart."""
     rounded: FloatArray = np.round(points, _GRID_DIGITS)
     return rounded
 
@@ -219,16 +219,16 @@ def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
         _triangles(shapely.linestrings(_on_grid(points), indices=part), gap), return_index=True
     )
     corner, part = corner.reshape(-1, 4, 2)[:, :3], part[::4]
-    centre = (corner[:, 0] + corner[:, 1] + corner[:, 2]) / 3
+    center = (corner[:, 0] + corner[:, 1] + corner[:, 2]) / 3
     inside = offset(gap, -_ON_EDGE_MM)
     shapely.prepare(inside)
-    within = shapely.contains_xy(inside[part], centre[:, 0], centre[:, 1])
-    corner, centre, part = corner[within], centre[within], part[within]
+    within = shapely.contains_xy(inside[part], center[:, 0], center[:, 1])
+    corner, center, part = corner[within], center[within], part[within]
     side = (corner + np.roll(corner, -1, axis=1)) / 2
     across = shapely.contains_xy(inside[part][:, None], side[..., 0], side[..., 1])
     passed, forked = across.sum(axis=1) == 2, across.sum(axis=1) == 3
     straight = side[passed][across[passed]].reshape(-1, 2, 2)
-    branches = np.stack([side[forked], np.repeat(centre[forked][:, None], 3, axis=1)], axis=2).reshape(-1, 2, 2)
+    branches = np.stack([side[forked], np.repeat(center[forked][:, None], 3, axis=1)], axis=2).reshape(-1, 2, 2)
     part = np.concatenate([part[passed], np.repeat(part[forked], 3)])
     pieces = np.concatenate([straight, branches])[np.argsort(part, kind="stable")]
     bounds = starts(np.bincount(part, minlength=len(gap)))

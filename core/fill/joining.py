@@ -1,6 +1,6 @@
 """Join the hatch's spans in zig-zag, so that a region is filled in few long lines instead of many short ones.
 
-Two neighbouring crossings on the boundary of a region, one on line k and the next on line k + 1, are joined by a
+Two neighboring crossings on the boundary of a region, one on line k and the next on line k + 1, are joined by a
 straight link if the boundary between them runs close to it, or else along the boundary. The links between lines k and
 k + 1 are made at the greater x for an even k and at the lesser x for an odd one. So each end of a span has one link at
 most, a chain of spans climbs line by line, and all regions are joined at once, without a search.
@@ -33,7 +33,7 @@ class LinkLimits:
 
 @dataclass(frozen=True)
 class _Links:
-    """Links between spans of neighbouring lines: from span `lower` along the arc of crossing `arc` to span `upper`."""
+    """Links between spans of neighboring lines: from span `lower` along the arc of crossing `arc` to span `upper`."""
 
     lower: IntArray
     upper: IntArray

@@ -1,7 +1,7 @@
 """Offsets of polygons with sharp corners, all at once: a third of what GEOS takes, where nothing splits or meets.
 
-Every edge moves along its normal and is as long as its neighbours leave it. An edge that would turn around is dropped,
-and its neighbours meet instead, as in a straight skeleton. Where all edges that are left keep their direction and no
+Every edge moves along its normal and is as long as its neighbors leave it. An edge that would turn around is dropped,
+and its neighbors meet instead, as in a straight skeleton. Where all edges that are left keep their direction and no
 two of them cross, that is the offset; elsewhere GEOS has to find it.
 """
 

@@ -56,13 +56,13 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
 
     Args:
         sliced: (L,) Polygon or MultiPolygon, the whole cross-section of each layer, maybe empty; mm.
-        islands: (I,) Polygon or MultiPolygon, maybe empty: what lies inside the innermost centre line of the waved
+        islands: (I,) Polygon or MultiPolygon, maybe empty: what lies inside the innermost center line of the waved
             wall of each connected region.
         island_layer: (I,) int64 layer of each island.
         settings: walls, skins and fill.
 
     Returns:
-        INNER_WALL loops whose first centre line lies a line width inside the island's boundary, and SKIN, BRIDGE
+        INNER_WALL loops whose first center line lies a line width inside the island's boundary, and SKIN, BRIDGE
         and INFILL lines. Islands are numbered by their place in `islands`.
     """
     islands = simplified(islands, _ISLAND_MM)
@@ -85,7 +85,7 @@ def fill_areas(
         settings: walls, skins and fill.
 
     Returns:
-        (I,) each: the regions bounded by the walls' centre lines, from the islands themselves in; the gaps between
+        (I,) each: the regions bounded by the walls' center lines, from the islands themselves in; the gaps between
         each wall and the next; skins and sparse fill.
     """
 

@@ -32,7 +32,7 @@ class Skins:
 def skins(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: PrintSettings) -> Skins:
     """Find what is not covered by all of the `top_solid_layers` layers above and the `bottom_solid_layers` below.
 
-    Slivers apart, it is grown by a line width, so that it stands on the sparse fill's neighbours.
+    Slivers apart, it is grown by a line width, so that it stands on the sparse fill's neighbors.
 
     Args:
         inside: (I,) the region to fill of each island, or somewhat more.
@@ -85,7 +85,7 @@ def uncovered(
 ) -> tuple[Shapes, IntArray]:
     """What of regions is not covered by all of some other layers.
 
-    Most regions lie well inside their neighbours' outlines, which a prepared predicate tells ten times faster than an
+    Most regions lie well inside their neighbors' outlines, which a prepared predicate tells ten times faster than an
     overlay; so only the others are cut, and of them only what is left. The farthest layers should come first, as they
     leave the least.
 

@@ -61,12 +61,12 @@ def walls_and_fill(
     """Offset every island inwards, wall by wall.
 
     Args:
-        islands: (I,) valid regions whose boundary is the centre line of the outermost wall's inside.
+        islands: (I,) valid regions whose boundary is the center line of the outermost wall's inside.
         width_mm: (I,) of the lines.
         settings: `perimeters` and `infill_overlap` are read.
 
     Returns:
-        The islands, and then for each straight wall, from the outside in, (I,) regions bounded by its centre line;
+        The islands, and then for each straight wall, from the outside in, (I,) regions bounded by its center line;
         (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap; and how each wall came
         from the one before.
     """
@@ -118,7 +118,7 @@ def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray
     """The boundaries of the walls' regions as closed paths.
 
     Args:
-        walls: for each wall, (I,) regions bounded by its centre line.
+        walls: for each wall, (I,) regions bounded by its center line.
         island_layer: (I,) layer of each island.
         width_mm: (I,) of the lines.
 

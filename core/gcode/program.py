@@ -279,7 +279,7 @@ def _width_changes(moves: Moves, strands: IntArray, usual: float) -> tuple[IntAr
     computed exactly.
     """
     width = moves.width[strands]
-    # Most neighbours have the very same width.
+    # Most neighbors have the very same width.
     changes = np.flatnonzero(np.append(True, width[1:] != width[:-1]))[: len(strands)]
     steps = np.rint(width[changes] / WIDTH_STEP).astype(np.int64)
     is_new = np.diff(steps, prepend=round(usual / WIDTH_STEP)) != 0

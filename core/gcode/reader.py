@@ -54,11 +54,11 @@ class ReadPrint:
 
     @property
     def summary(self) -> str:
-        """Layers and metres of strands, nearly the same for the G-code and the X3G of a print."""
+        """Layers and meters of strands, nearly the same for the G-code and the X3G of a print."""
         lays = np.flatnonzero(self.moves.extrudes)
         step = self.moves.position[lays] - self.moves.position[np.maximum(lays - 1, 0)]
-        metres = float(np.sqrt(np.einsum("ij,ij->i", step, step)).sum()) / 1000
-        return f"{counted(len(np.unique(self.moves.layer[lays])), 'layer')}, {metres:.1f} m of strands"
+        meters = float(np.sqrt(np.einsum("ij,ij->i", step, step)).sum()) / 1000
+        return f"{counted(len(np.unique(self.moves.layer[lays])), 'layer')}, {meters:.1f} m of strands"
 
 
 def read_gcode(data: bytes, name: str) -> ReadPrint:
@@ -75,7 +75,7 @@ def read_gcode(data: bytes, name: str) -> ReadPrint:
     if words.are("G", 2, 3).any():
         raise PrintError("the G-code file has arcs (G2, G3)", "let the slicer write straight moves only")
     if words.are("G", 20).any():
-        raise PrintError("the G-code file is in inches (G20)", "let the slicer write millimetres")
+        raise PrintError("the G-code file is in inches (G20)", "let the slicer write millimeters")
     layer_lines = [line for line, text in words.comments if text.startswith("layer ")]
     if layer_lines and b"@machine " in data[:200] and not words.are("M", 137).any():
         raise PrintError("the G-code file breaks off before the end of the print", _HINT)

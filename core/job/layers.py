@@ -37,7 +37,7 @@ def widened(layers: BoolArray, by: int) -> BoolArray:
 
 
 def without_gaps(layers: BoolArray) -> BoolArray:
-    """(L,) the layers marked and those between neighbouring runs; with many runs all from the first to the last."""
+    """(L,) the layers marked and those between neighboring runs; with many runs all from the first to the last."""
     found, filled = runs(layers), layers.copy()
     for (_, last), (first, _) in pairwise(found):
         filled[last:first] |= first - last <= _SHORT_GAP or len(found) > _MOST_RUNS

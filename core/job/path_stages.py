@@ -48,7 +48,7 @@ class PrintedPaths:
         moves: the print in order.
         ordered: its paths.
         thin: features too thin for a wall, worked out beside the stages.
-        single_color: what is known of the same object in one colour, worked out beside the stages.
+        single_color: what is known of the same object in one color, worked out beside the stages.
     """
 
     fill: Paths
@@ -93,7 +93,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
-    """The print with each layer's whole wall in the layer's own colour, to tell what the tool changes cost."""
+    """The print with each layer's whole wall in the layer's own color, to tell what the tool changes cost."""
     outer = outer_wall_paths(replace(wall.outlines, swapped=None))
     return toolpaths(outer, paths.fill, paths.within, paths.beside, settings).moves
 

@@ -129,7 +129,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     curve, notes = run("tone curve", tone_curve, tone, settings)
     printed = layered("calibration", print_tones, print_tones_anew, (tone,), slant, lines, curve)
     depth, set_back = layered("modulation", set_back_lines, modulated_anew, (printed,), lines, slant, settings)
-    depth, set_back, swapped, solid = _solid_colours(lines, tone, slant, depth, set_back, projector, settings)
+    depth, set_back, swapped, solid = _solid_colors(lines, tone, slant, depth, set_back, projector, settings)
     if not local:
         columns = (tone, depth, set_back)
         stages.compare_layers("walls", (lines, samples), columns, partial(other_layers, columns, lines, layers))
@@ -179,7 +179,7 @@ def _averaged(tone: FloatArray, lines: Contours, settings: PrintSettings) -> Flo
     return average_along_wall(tone, lines, settings.wavelength * share)
 
 
-def _solid_colours(
+def _solid_colors(
     lines: Contours,
     tone: FloatArray,
     slant_deg: FloatArray,

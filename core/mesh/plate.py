@@ -17,7 +17,7 @@ _ROUNDING_MM = 1e-3
 
 
 def plate(models: Sequence[SurfaceModel], settings: PrintSettings) -> SurfaceModel:
-    """One model of several, each with its own pictures, colours and UVs; a single one is returned as it is.
+    """One model of several, each with its own pictures, colors and UVs; a single one is returned as it is.
 
     The objects keep their places, or with `arrange` they are put side by side, each on the bed. `triangulate` then
     places the whole on the bed.
@@ -134,7 +134,7 @@ def plate_warnings(
         if above > settings.first_layer_height + _ROUNDING_MM:
             found.append(f"{name} begins {above:.1f} mm above the bed: lower it, or turn on arrange or supports")
     for number in _plain(mesh, len(names)):
-        found.append(f"{names[number]} has no texture and no colour attribute: it prints in one even tone")
+        found.append(f"{names[number]} has no texture and no color attribute: it prints in one even tone")
     marked = mesh.volumes or (mesh.face_support is not None and mesh.face_support.any())
     if marked and not settings.support_enable:
         found.append("support enforcers and blockers do nothing while support_enable is off")

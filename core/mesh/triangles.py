@@ -18,16 +18,16 @@ WELD_SHARE = 3e-7
 """Vertices nearer than this share of the object's size are merged: a few times the resolution of float32."""
 
 _OBLIQUE = np.array([1.0, 0.6180339887, 0.3819660113])  # hardly any two vertices lie at the same place along it
-_FAR_AWAY_MM = 1e7  # beyond this, neighbouring vertices could no longer be told apart
+_FAR_AWAY_MM = 1e7  # beyond this, neighboring vertices could no longer be told apart
 _REACH_TOLERANCE_MM = 1e-3
 _USUAL_MM = 5.0  # an object is rarely shorter than this
 _UNITS = {
     "inches": 25.4,
-    "centimetres": 10.0,
-    "metres": 1e3,
-    "kilometres": 1e6,
-    "micrometres": 1e-3,
-    "nanometres": 1e-6,
+    "centimeters": 10.0,
+    "meters": 1e3,
+    "kilometers": 1e6,
+    "micrometers": 1e-3,
+    "nanometers": 1e-6,
 }
 """Units that files are written in by mistake, and mm per unit, the likeliest first."""
 _UV_LIMIT = 1e6  # beyond this, float32 no longer tells the texels apart
@@ -211,9 +211,9 @@ def _unit_hint(size: FloatArray, room: FloatArray) -> str:
     return f"check its scale and unit: in {fitting[0]}" if fitting else "check its scale and unit"
 
 
-def _length(millimetres: float) -> str:
-    """A length in three digits or so, whole millimetres where that is enough."""
-    return f"{millimetres:.0f}" if 100 <= millimetres < 1e7 else f"{millimetres:.3g}"
+def _length(millimeters: float) -> str:
+    """A length in three digits or so, whole millimeters where that is enough."""
+    return f"{millimeters:.0f}" if 100 <= millimeters < 1e7 else f"{millimeters:.3g}"
 
 
 def _vertex_object(model: SurfaceModel, corner_vertex: IntArray, count: int) -> IntArray | None:

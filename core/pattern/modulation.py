@@ -1,4 +1,4 @@
-"""Tone → shape: how deep each colour's wave is and how far its line is set back (paper, sections 3.1 and 5)."""
+"""Tone → shape: how deep each color's wave is and how far its line is set back (paper, sections 3.1 and 5)."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..settings import PrintSettings
 
 PERIOD_LAYERS = 4
-"""Layers after which the pattern repeats: two colours times two phases."""
+"""Layers after which the pattern repeats: two colors times two phases."""
 
 _DEEPEST = 3.0  # mm, deepest wave in the table of reaches
 
 
 def shape(tone: FloatArray, is_black: BoolArray, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
-    """Wave depth and set-back for the tones of one or both colours.
+    """Wave depth and set-back for the tones of one or both colors.
 
-    At tone ½ both colours have the same shape. Above it the black strands are attenuated, below it the white ones:
+    At tone ½ both colors have the same shape. Above it the black strands are attenuated, below it the white ones:
     their wave gets shallower (`wave`), or their whole line is set back behind the surface (`offset`), or both
     (`wave_offset`), where the set-back begins at the attenuation `offset_onset`.
 
@@ -95,7 +95,7 @@ def wave_reach(depth: FloatArray, wavelength: float) -> FloatArray:
 def faded(
     depth: FloatArray, set_back: FloatArray, room_inside: FloatArray, room_outside: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Reduce both where a wave would meet itself, the opposite wall or its neighbour.
+    """Reduce both where a wave would meet itself, the opposite wall or its neighbor.
 
     Args:
         depth: (N,) mm, peak to peak.

@@ -1,6 +1,6 @@
-"""Solid colours: painted regions of pure black or white, printed in that filament alone (paper, section 7).
+"""Solid colors: painted regions of pure black or white, printed in that filament alone (paper, section 7).
 
-In layers of the other colour the outline is either set back farther than for any tone, as far as the strand above can
+In layers of the other color the outline is either set back farther than for any tone, as far as the strand above can
 protrude over it (`set_back`), or printed by the right tool (`tool_change`, see `toolpaths/tool_turns.py`). There are no
 waves in the regions, so that their own strands meet in front of the set-back ones, or lie above one another.
 """
@@ -82,7 +82,7 @@ def with_solid_regions(
     settings: PrintSettings,
     swapped: BoolArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Wave depth and set-back with no waves inside the regions and the other colour's line set back.
+    """Wave depth and set-back with no waves inside the regions and the other color's line set back.
 
     At the border of a region the transition takes half a wavelength, inside the region.
 
@@ -98,7 +98,7 @@ def with_solid_regions(
     inside = solid.region >= 0
     share = np.clip(2 * average_along_wall(inside.astype(np.float64), lines, settings.wavelength) - 1, 0.0, 1.0)
     share = np.where(inside, share, 0.0)
-    behind = _wrong_colour(lines, solid, settings)
+    behind = _wrong_color(lines, solid, settings)
     if swapped is not None:
         behind &= ~swapped
     wanted = np.where(behind, settings.solid_set_back, 0.0)
@@ -108,28 +108,28 @@ def with_solid_regions(
 
 
 def left_to_other_tool(lines: Contours, solid: SolidRegions, settings: PrintSettings) -> BoolArray:
-    """(N,) bool, stretches of outline of the wrong colour in the regions, none of them shorter than a wavelength.
+    """(N,) bool, stretches of outline of the wrong color in the regions, none of them shorter than a wavelength.
 
-    Shorter stretches, and shorter gaps between stretches, take the state of their longer neighbours.
+    Shorter stretches, and shorter gaps between stretches, take the state of their longer neighbors.
 
     Args:
         lines: N contour points.
         solid: the regions.
         settings: the wavelength is used.
     """
-    swapped = _wrong_colour(lines, solid, settings)
+    swapped = _wrong_color(lines, solid, settings)
     for kind in (False, True):
         run = runs(swapped.astype(np.int64), lines.start)
         length = np.bincount(run, lines.step)
-        # A whole contour has no neighbours.
+        # A whole contour has no neighbors.
         whole = length[run] > 0.999 * lines.length[lines.loop]
         short = (swapped == kind) & (length[run] < settings.wavelength) & ~whole
         swapped ^= short
     return swapped
 
 
-def _wrong_colour(lines: Contours, solid: SolidRegions, settings: PrintSettings) -> BoolArray:
-    """(N,) points in a region on layers of the other colour."""
+def _wrong_color(lines: Contours, solid: SolidRegions, settings: PrintSettings) -> BoolArray:
+    """(N,) points in a region on layers of the other color."""
     inside = solid.region >= 0
     black_here = np.zeros(len(inside), dtype=bool)
     black_here[inside] = solid.is_black[solid.region[inside]]
@@ -202,7 +202,7 @@ def runs(kind: IntArray, start: IntArray) -> IntArray:
 def _links(
     lines: Contours, kind: IntArray, run: IntArray, pure: IntArray, projector: Projector
 ) -> tuple[IntArray, IntArray]:
-    """Pairs of runs of one colour that lie above one another."""
+    """Pairs of runs of one color that lie above one another."""
     layer = lines.layer[lines.loop]
     pure = pure[layer[pure] < layer.max(initial=0)]
     place, gap = projector.project(lines.points[pure], layer[pure] + 1)

@@ -31,7 +31,7 @@ def widened(lines: Contours, printed: FloatArray, set_back: FloatArray, settings
         settings: pattern and calibration are used; without calibration, or with waves, nothing is changed.
 
     Returns:
-        (N,) mm, nowhere less than before, and nowhere more than that of the neighbours or the room.
+        (N,) mm, nowhere less than before, and nowhere more than that of the neighbors or the room.
     """
     if settings.pattern != "offset" or settings.calibration == "none":
         return set_back

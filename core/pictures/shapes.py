@@ -25,7 +25,7 @@ class PictureShape:
     Attributes:
         vertices: (V, 3) mm.
         polygon_start: (P + 1,) int64.
-        corner_vertex: (C,) int64, anticlockwise seen from outside.
+        corner_vertex: (C,) int64, counterclockwise seen from outside.
         corner_uv: (C, 2), zeros where there is no picture.
         has_picture: (P,) bool.
         columns: texels of the picture along the layers, the frame's included.
@@ -202,14 +202,14 @@ def _check_lengths(**lengths: float) -> None:
 
 
 def _circles(radius: FloatArray, z: FloatArray, facets: int) -> FloatArray:
-    """(L, K, 3) circles one above the other, anticlockwise from behind (+Y), where the edges of a picture meet."""
+    """(L, K, 3) circles one above the other, counterclockwise from behind (+Y), where the edges of a picture meet."""
     turn = math.pi / 2 + 2 * math.pi * np.arange(facets) / facets
     ring = np.stack([np.cos(turn), np.sin(turn)], axis=1) * radius[:, None, None]
     return np.concatenate([ring, np.broadcast_to(z[:, None, None], (len(z), facets, 1))], axis=2)
 
 
 def _wall(rings: FloatArray, v: FloatArray, u: FloatArray) -> tuple[IntArray, FloatArray, BoolArray]:
-    """Quadrilaterals between rings (L, K, 3) that run anticlockwise, seen from outside.
+    """Quadrilaterals between rings (L, K, 3) that run counterclockwise, seen from outside.
 
     Args:
         rings: from the bottom up.

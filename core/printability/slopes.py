@@ -29,7 +29,7 @@ class FaceContrast:
     Attributes:
         area: (F,) mm².
         contrast: (F,) mm², the distance of the tone from the mean tone of the whole surface, integrated over the face;
-            of many faces of a few square millimetres some stand for their neighbours too, which have none then.
+            of many faces of a few square millimeters some stand for their neighbors too, which have none then.
         area_normal: (F, 3) mm², outwards, twice as long as the area is large.
     """
 

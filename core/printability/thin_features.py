@@ -20,7 +20,7 @@ _SIMPLIFY_MM = 0.02
 _SMALLEST = 0.5  # area in squares of the line width: the tips of sharp corners are no features
 _CELL_MM = 4.0  # pieces nearer than this belong to one feature
 _MOST_PLACES = 10
-_NEIGHBOURS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
+_NEIGHBORS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def _connected(points: FloatArray) -> IntArray:
     cells -= cells.min(axis=0) - 1
     size = cells.max(axis=0) + 2
     key = np.ravel_multi_index(cells.T, size)  # ascending, as `cells` is sorted
-    beside = np.ravel_multi_index((cells[:, None] + _NEIGHBOURS).reshape(-1, 3).T, size).reshape(len(cells), -1)
+    beside = np.ravel_multi_index((cells[:, None] + _NEIGHBORS).reshape(-1, 3).T, size).reshape(len(cells), -1)
     at = np.minimum(np.searchsorted(key, beside), len(key) - 1)
     at = np.where(key[at] == beside, at, np.arange(len(cells))[:, None])
     label = np.arange(len(cells))

@@ -1,6 +1,6 @@
 """A phase grid of every few layers, and the phase of the waves on the layers between.
 
-From a layer to the next the phase hardly changes, so that most of what the optimised sampling looks for is found on
+From a layer to the next the phase hardly changes, so that most of what the optimized sampling looks for is found on
 every few layers. Contours between them whose nodes do not all lead to one of these layers, or whose length changes too
 fast on the way, are kept as well; on the others the phase follows from that of the layer above them: sliding is shared
 evenly by the layers that it goes through.
@@ -94,7 +94,7 @@ class FewerLayers:
 
 
 def fewer_layers(lines: Contours, grid: PhaseGrid, layers: int, tear: float) -> FewerLayers:
-    """Keep every so many layers, counted from the top; neighbours whose images lie `tear` mm farther apart are torn."""
+    """Keep every so many layers, counted from the top; neighbors whose images lie `tear` mm farther apart are torn."""
     below = int(lines.layer.max(initial=0)) - lines.layer
     kept = below % layers == 0
     place, up = grid.above.copy(), grid.loop[grid.low]

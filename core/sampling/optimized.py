@@ -1,7 +1,7 @@
 """Samples for the fewest visible seams: a plan for the whole height instead of one layer after the other.
 
 The paper (section 3.2, Algorithm 1) carries samples up from layer to layer and adds or drops some wherever their
-spacing leaves [λ, 2λ); four fifths of the visible seams are where it does. It names better parametrisation as open.
+spacing leaves [λ, 2λ); four fifths of the visible seams are where it does. It names better parametrization as open.
 Here four steps take its place, with the same projection, the same bounds and the same measure of seams:
 
 1. a grid of places on the contours, linked from layer to layer by projection (`phase_grid.py`);
@@ -33,7 +33,7 @@ from .spacing import bounded
 from .wave_plan import Search, WavePlan, planned, planned_further
 from .whole_waves import Phase, rounded
 
-# First all is done on every so many layers, with a node for so many contour points; neighbours are torn if their images
+# First all is done on every so many layers, with a node for so many contour points; neighbors are torn if their images
 # are so many wavelengths farther apart than they. From this share of the pattern on that is a visible seam, or the
 # second where it is told how much a seam matters, all is done anew with more care.
 LAYERS, STRIDE, TEAR = 4, 12, 2.0
@@ -114,17 +114,17 @@ class _Planning:
         price = np.minimum(self.here, self.here[self.coarse.ahead])
         plan = planned(self.lines, self.fine, self.coarse, 1, SEARCH, price, self.settings)
         enough = ENOUGH if self.weight.min() == 1 else ENOUGH_WEIGHED
-        best, seen = self._realised(plan, COARSE_FIT, FINE_FIT)
+        best, seen = self._realized(plan, COARSE_FIT, FINE_FIT)
         for _ in range(MORE_TRIES if seen > enough else 0):
             plan = planned_further(self.coarse, plan, price, self.settings)
-            found, left = self._realised(plan, LONGER_COARSE_FIT, LONGER_FINE_FIT)
+            found, left = self._realized(plan, LONGER_COARSE_FIT, LONGER_FINE_FIT)
             if left < seen:
                 best, seen = found, left
         if seen > FEW * enough:
             best, _ = polished(self.projector, self.fine, best, self.weight, LONGER_POLISH, self.settings)
         return best
 
-    def _realised(
+    def _realized(
         self, plan: WavePlan, coarse_fit: tuple[int, int, int], fine_fit: tuple[int, int, int]
     ) -> tuple[Samples, float]:
         """Samples by a plan, and the share of the pattern that is a visible seam."""

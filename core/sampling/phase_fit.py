@@ -2,7 +2,7 @@
 
 With the whole numbers of waves known, the phases of all nodes are one least-squares problem,
 
-    minimise Σ w δ² + Σ e (g − t)²,
+    minimize Σ w δ² + Σ e (g − t)²,
 
 in which δ is the phase at a node's image less the node's own, less the whole number of waves that came or went between
 them, and g the waves on an edge against their target t: weakly towards the usual spacing inside of the bounds, strongly

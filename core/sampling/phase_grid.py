@@ -1,8 +1,8 @@
 """A grid of places on the contours that carries the phase of the waves, linked from every layer to the next.
 
-The optimised sampling (`optimized.py`) looks for the phase φ of the waves, a number that grows by 1 from sample to
+The optimized sampling (`optimized.py`) looks for the phase φ of the waves, a number that grows by 1 from sample to
 sample, at a few places of each contour. Where a place lies on the layer above, as the paper projects it, is worked out
-once; wherever two neighbouring places do not have neighbouring images the surface is *torn* there: no seam can be seen,
+once; wherever two neighboring places do not have neighboring images the surface is *torn* there: no seam can be seen,
 and the phases of the two sides owe each other nothing.
 """
 
@@ -19,12 +19,12 @@ from .sampling import Projector
 
 # Every so many contour points are projected as a rule, at least so many of each contour, and all between them where the
 # surface is torn. One of so many, and no more than every other one, is searched on the whole layer above, the others
-# near where their neighbours' images are.
+# near where their neighbors' images are.
 STATION_STRIDE, LEAST_NODES = 3, 8
 SEARCHED = 24
-# Neighbours whose images lie farther apart than their own distance and this share of the wavelength are torn.
+# Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
-# Where neighbours have no images at all, only every so many points between them are projected.
+# Where neighbors have no images at all, only every so many points between them are projected.
 RARE = 4
 
 
@@ -121,7 +121,7 @@ class PhaseGrid:
     def spanning(self, lines: Contours, layers: int, spanned: int, tear: float) -> PhaseGrid:
         """Only every so many layers, counted from the top, linked to one another over those between them.
 
-        This grid has every `spanned` layers itself, of which `layers` is a multiple. Neighbours whose images lie `tear`
+        This grid has every `spanned` layers itself, of which `layers` is a multiple. Neighbors whose images lie `tear`
         mm farther apart than they do are torn.
         """
         below = int(lines.layer.max(initial=0)) - lines.layer[self.loop]
@@ -206,7 +206,7 @@ def _followed_images(
 ) -> FloatArray:
     """Images of contour points, of which some, the first of each contour among them, are searched on the whole layer.
 
-    Where neighbours of these have neighbouring images, those of the points between them lie near the line between.
+    Where neighbors of these have neighboring images, those of the points between them lie near the line between.
     """
     above = np.full(len(node), np.nan)
     above[searched] = image = _images(lines, projector, node[searched], usable)

@@ -1,4 +1,4 @@
-"""The last step of the optimised sampling: samples around visible seams are moved so that less of the seams is visible.
+"""The last step of the optimized sampling: samples around visible seams are moved so that less of the seams is visible.
 
 Everything before treats the phase as smooth; what is measured is the error d = (t₁ − t₂)² of waves that are straight in
 phase from sample to sample (paper, section 6.4), and whether it is seen. Here the samples near seams descend on
@@ -7,7 +7,7 @@ phase from sample to sample (paper, section 6.4), and whether it is seen. Here t
 
 over places on the contours and their images on the layer above: the first term counts what is seen, the sharper the
 larger p is, the second keeps what is not from growing. A step is a Gauss-Newton step with the diagonal alone and some
-momentum, cut to a tenth of a millimetre; after each, spacings are pushed back into their bounds. The best of what is
+momentum, cut to a tenth of a millimeter; after each, spacings are pushed back into their bounds. The best of what is
 met is kept.
 """
 

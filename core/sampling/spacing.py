@@ -37,9 +37,9 @@ def spacings(local: FloatArray, loop: IntArray, length: FloatArray) -> tuple[Flo
 
 
 def relaxed(local: FloatArray, loop: IntArray, length: FloatArray, share: float) -> tuple[FloatArray, IntArray]:
-    """Move every sample by `share` of the way to the middle of its two neighbours.
+    """Move every sample by `share` of the way to the middle of its two neighbors.
 
-    Spacings become weighted means of neighbouring spacings, so bounds that all of them keep stay kept.
+    Spacings become weighted means of neighboring spacings, so bounds that all of them keep stay kept.
     """
     ahead, behind = spacings(local, loop, length)
     moved = local + share * (ahead - behind) / 2
@@ -52,7 +52,7 @@ def relaxed(local: FloatArray, loop: IntArray, length: FloatArray, share: float)
 def pruned(local: FloatArray, loop: IntArray, length: FloatArray, least: float) -> tuple[FloatArray, IntArray]:
     """Remove samples until none is closer than `least` to the next.
 
-    In each round the spacings that are shorter than both their neighbours lose one end: the one whose removal leaves
+    In each round the spacings that are shorter than both their neighbors lose one end: the one whose removal leaves
     the shorter gap.
     """
     while True:
@@ -101,7 +101,7 @@ def filled(
 def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSettings) -> FloatArray:
     """Samples near the given ones with every spacing in [λ, 2λ), on all contours at once.
 
-    Neighbours that are too close push each other apart, those too far apart pull each other together. Where the number
+    Neighbors that are too close push each other apart, those too far apart pull each other together. Where the number
     of samples does not fit, some are dropped or added as in the paper.
 
     Args:
@@ -127,7 +127,7 @@ def pushed(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArra
     """Samples in order on closed contours with every spacing in [λ, 2λ), wherever their number allows it.
 
     Going around a contour one way and pushing each sample on that is too near to the one before gives spacings that are
-    long enough, and so does going the other way; the mean of both is taken, which favours neither. Samples that are
+    long enough, and so does going the other way; the mean of both is taken, which favors neither. Samples that are
     too far apart are pulled together likewise, which makes no spacing too short.
 
     Args:

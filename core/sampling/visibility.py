@@ -1,7 +1,7 @@
 """How visible a seam would be at each place, for the sampling to avoid such places, and for the report.
 
 Three settings say so, and their values are multiplied: `front`, the front side of the object; `seam_visibility`, which
-is painted; and `hide_seams`, from the picture and the shape: strands of one colour show no pattern that could be
+is painted; and `hide_seams`, from the picture and the shape: strands of one color show no pattern that could be
 broken, and creases are hardly visible.
 """
 
@@ -17,7 +17,7 @@ from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import build_pyramids
 
-# Visibility of a seam where everything is of one colour, and in the deepest crease.
+# Visibility of a seam where everything is of one color, and in the deepest crease.
 HIDDEN = 0.2
 
 
@@ -67,7 +67,7 @@ def front_visibility(normal: FloatArray, front_deg: float) -> FloatArray:
 
 
 def tone_visibility(tone: FloatArray) -> FloatArray:
-    """(N,) how visible the strands of the rarer colour are: fully at mid-grey, little near black and white."""
+    """(N,) how visible the strands of the rarer color are: fully at mid-gray, little near black and white."""
     return np.asarray(np.maximum(2 * np.minimum(tone, 1 - tone), HIDDEN))
 
 

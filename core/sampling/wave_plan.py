@@ -9,7 +9,7 @@ from one layer to the next, the births less the deaths above an edge are
 the curl of the phase (compare the singularities of stripe patterns: Knöppel, Crane, Pinkall, Schröder, *Stripe Patterns
 on Surfaces*, 2015, where they come out of a quadratic energy and the spacing is free). The plan is the solution of
 
-    minimise Σ w |c| + ε Σ (g − t)² / 2t + μ Σ δ² / 2   with   length / 2λ < g < length / λ,   |δ| ≤ τ:
+    minimize Σ w |c| + ε Σ (g − t)² / 2t + μ Σ δ² / 2   with   length / 2λ < g < length / λ,   |δ| ≤ τ:
 
 the fewest births and deaths that the bounds on the spacing allow, all layers together; fractions of a wave are allowed
 here and rounded in `whole_waves.py`. Torn edges owe nothing. The sum of g is held at what the usual spacing λ√2 asks

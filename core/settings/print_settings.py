@@ -56,7 +56,7 @@ class PrintSettings:
     )
     wave_depth_max: float = _pattern(0.75, "Depth of an unattenuated wave, peak to peak", "mm", 0.0, 3.0)
     wave_depth_min: float = _pattern(0.375, "Depth of a fully attenuated wave, peak to peak", "mm", 0.0, 3.0)
-    offset_max: float = _pattern(0.35, "How far the line of a fully attenuated colour is set back", "mm", 0.0, 2.0)
+    offset_max: float = _pattern(0.35, "How far the line of a fully attenuated color is set back", "mm", 0.0, 2.0)
     offset_onset: float = _pattern(
         0.0, "Attenuation at which the line begins to be set back; below it only the wave gets shallower", "", 0.0, 0.95
     )
@@ -73,7 +73,7 @@ class PrintSettings:
         0.6, "A sample farther than this from the next layer's outline is not carried on", "mm", 0.05, 5.0
     )
     relaxation: float = _pattern(
-        0.05, "Share of the way to the middle of its neighbours that a sample moves", "", 0.0, 0.5
+        0.05, "Share of the way to the middle of its neighbors that a sample moves", "", 0.0, 0.5
     )
     flat_layers: int = _pattern(0, "Layers at the bottom that are printed without a wave", "", 0, 1000)
     phase_shift_layers: int = _pattern(
@@ -98,7 +98,7 @@ class PrintSettings:
     hide_seams: bool = _pattern(False, "Put seams into creases and where the picture is black, white or nearly so")
     solid_regions: str = _pattern(
         "none",
-        "How large regions of pure black or white print: like all other tones, with the other colour's line hidden "
+        "How large regions of pure black or white print: like all other tones, with the other color's line hidden "
         "behind, or by their own tool within the layer",
         choices=("none", "set_back", "tool_change"),
     )
@@ -109,7 +109,7 @@ class PrintSettings:
         0.02, "How far from black (0) or white (1) a tone may be to count as pure", "", 0.0, 0.4
     )
     solid_set_back: float = _pattern(
-        0.5, "How far the other colour's line is set back in such a region, as far as max_unsupported allows", "mm",
+        0.5, "How far the other color's line is set back in such a region, as far as max_unsupported allows", "mm",
         0.0, 2.0,
     )  # fmt: skip
 
@@ -189,7 +189,7 @@ class PrintSettings:
     ooze_shield_distance: float = setting(2.0, "Distance of the ooze shield from the object", "mm", 0.5, 20.0)
 
     # Supports
-    support_enable: bool = setting(False, "Print supports under overhangs, each layer's in its own colour")
+    support_enable: bool = setting(False, "Print supports under overhangs, each layer's in its own color")
     support_auto: bool = setting(
         True, "Support all overhangs flatter than the threshold angle; else only where supports are enforced"
     )

@@ -28,7 +28,7 @@ class MarlinCommands:
     In the lines {bed}, {nozzle_0} and {nozzle_1} stand for temperatures, {tool} for the number of a tool.
 
     Attributes:
-        origin: mm, X and Y of the bed's centre in the printer's own coordinates.
+        origin: mm, X and Y of the bed's center in the printer's own coordinates.
         start: lines before the print; extrusion has to be relative after them (M83).
         tool_change: lines that switch to a tool.
         end: lines after the print.
@@ -42,7 +42,7 @@ class MarlinCommands:
 
 @dataclass(frozen=True)
 class PrinterProfile:
-    """A printer with two nozzles. Coordinates are those of the active nozzle, origin at the bed's centre.
+    """A printer with two nozzles. Coordinates are those of the active nozzle, origin at the bed's center.
 
     Attributes:
         name: as the user knows it.

@@ -23,7 +23,7 @@ def united(outlines: Outlines) -> Outlines:
     Args:
         outlines: any loops of a single layer; they may cross, overlap and run twice.
     """
-    # Whole loops: GEOS nodes and polygonises the few pieces between crossings twenty times as fast as single segments.
+    # Whole loops: GEOS nodes and polygonizes the few pieces between crossings twenty times as fast as single segments.
     noded = shapely.union_all(shapely.linearrings(outlines.points, indices=outlines.loop))
     cells = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
     if len(cells) == 0:

@@ -26,7 +26,7 @@ def time_report(
     Args:
         moves: the print.
         settings: of the print.
-        single_color: s that the same object takes in one colour, if known; see `single_color_seconds`.
+        single_color: s that the same object takes in one color, if known; see `single_color_seconds`.
         seconds: (M,) `move_seconds` of the moves, if they are known.
 
     Returns:

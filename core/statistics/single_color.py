@@ -1,4 +1,4 @@
-"""How long the same object would take in a single colour, from toolpaths of some of its layers."""
+"""How long the same object would take in a single color, from toolpaths of some of its layers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..toolpaths.overhangs import Below, with_overhangs
 from ..toolpaths.travels import Rooms
 from .time_and_filament import move_seconds, tool_change_rows
 
-# Features that a print in one colour does not need.
+# Features that a print in one color does not need.
 ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)
 # Features around the object or under it; the comparison leaves them out.
 _AROUND = (Feature.SKIRT, Feature.BRIM, Feature.RAFT)
@@ -33,7 +33,7 @@ _SLOWED = 0.98  # of the least time of a layer; those that take less have the le
 
 @dataclass(frozen=True)
 class SingleColor:
-    """What is known of the print in one colour: all of S of the L layers, of the others the wall.
+    """What is known of the print in one color: all of S of the L layers, of the others the wall.
 
     Attributes:
         printed: (P,) int64, ascending, the layers on which anything is printed.
@@ -60,7 +60,7 @@ def single_color(
 
     Args:
         outlines: the waved outer wall.
-        paths: of the dual-colour print, see `single_color_moves`.
+        paths: of the dual-color print, see `single_color_moves`.
         layers: the stack.
         settings: of the print.
         within: where travels stay unseen, if that is known.
@@ -83,12 +83,12 @@ def single_color(
 def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray, settings: PrintSettings) -> float:
     """Seconds that `single_color_moves` take, within a hundredth.
 
-    A layer takes what the dual-colour print takes without its waved wall, its tower and its tool changes, then the
+    A layer takes what the dual-color print takes without its waved wall, its tower and its tool changes, then the
     time of the wall alone, and something for the ways to it. How much that is, is a mean of the layers that are known.
 
     Args:
         single: see `single_color`.
-        moves: the dual-colour print.
+        moves: the dual-color print.
         seconds: (M,) `move_seconds` of the moves.
         settings: of the print.
     """
@@ -139,16 +139,16 @@ def single_color_moves(
     """The same object by one tool: the outlines without their wave at the speed of walls, no tower, all else as it is.
 
     The walls and the fill behind the outline stay where the wave lets them be, half a wave's depth farther inside than
-    a single colour asks for, which makes them a little shorter: the comparison errs to our disadvantage.
+    a single color asks for, which makes them a little shorter: the comparison errs to our disadvantage.
 
     Args:
         outlines: the waved outer wall.
-        paths: of the dual-colour print: fill, inner walls, supports; outer walls and towers are passed over.
+        paths: of the dual-color print: fill, inner walls, supports; outer walls and towers are passed over.
         layers: the stack.
         settings: of the print.
         within: where travels stay unseen, if that is known.
         chosen: layers, ascending, that are printed one upon the other without those between them; None for all.
-        below: what carries the walls, if that is known; where nothing does, they are as slow as those of two colours.
+        below: what carries the walls, if that is known; where nothing does, they are as slow as those of two colors.
     """
     chosen = np.arange(len(layers)) if chosen is None else chosen
     number = np.full(len(layers), -1)

@@ -25,7 +25,7 @@ class Strands:
     """Polylines of extruded plastic: K strands with N points in all, in the order they are printed.
 
     Attributes:
-        points: (N, 3) float64 mm, the strand's centre line, half a layer below the nozzle.
+        points: (N, 3) float64 mm, the strand's center line, half a layer below the nozzle.
         start: (K + 1,) int64, where each strand's points start.
         tool: (K,) int64, 0 or 1.
         feature: (K,) int64, a `Feature`.
@@ -34,7 +34,7 @@ class Strands:
         height: (K,) float64 mm, layer height.
         roundness: (N,) float64, 0 an oval as much wider than high as `width` to `height`, 1 a
             circle of the same area.
-        unsupported: (N,) float64 mm, how far the centre line lies outside what carries it.
+        unsupported: (N,) float64 mm, how far the center line lies outside what carries it.
         row: (N,) int64, the move that ends at or after each point; a strand's first point has that of its second.
     """
 
@@ -118,7 +118,7 @@ def strands(moves: Moves) -> Strands:
 def settled(laid: Strands, sag: float) -> Strands:
     """The strands as they lie when they have cooled: on material an oval, over air rounder and lower.
 
-    A point is over air where its centre line lies outside the strands of the layer below (`unsupported_distance`).
+    A point is over air where its center line lies outside the strands of the layer below (`unsupported_distance`).
     There the strand becomes a circle by the time nothing of it is above them any more, and sinks as `sag_depth` says.
     Both follow from a distance that has no jumps, so the strand has none either. Long lines over air get more points.
     What a line gains in length by sinking it loses in width: its volume stays.
@@ -196,7 +196,7 @@ def sag_depth(free: FloatArray, most: float) -> FloatArray:
     T = ρ·g·A·L² / (8·s), and that tension draws a viscous thread, T = 3·μ·A·(rate of strain), where the strain is
     8/3·(s/L)². So s³ = 3·ρ·g·t·L⁴ / (128·μ) after the time t for which it stays soft: the depth grows with L^(4/3).
     ABS just out of the nozzle (ρ = 1040 kg/m³, μ = 10 kPa·s, soft for about a second) sinks 0.6 mm in a span of 10 mm,
-    and 0.03 mm in one of 1 mm. The limit stands for what this leaves out: neighbours in the same layer that the strand
+    and 0.03 mm in one of 1 mm. The limit stands for what this leaves out: neighbors in the same layer that the strand
     sticks to, and the nozzle's pull.
     """
     if most <= 0:
@@ -240,7 +240,7 @@ def _steps(points: FloatArray) -> FloatArray:
 
 
 def _or_next_to(marked: BoolArray) -> BoolArray:
-    """(N,) points that are marked or have a marked neighbour."""
+    """(N,) points that are marked or have a marked neighbor."""
     spread = marked.copy()
     spread[1:] |= marked[:-1]
     spread[:-1] |= marked[1:]

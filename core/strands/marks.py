@@ -1,4 +1,4 @@
-"""Attributes of every point of the strands: for colours, and for showing a print move by move."""
+"""Attributes of every point of the strands: for colors, and for showing a print move by move."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def moves_of_layers(moves: Moves) -> IntArray:
 def tone_of_moves(outlines: WavedOutlines, moves: Moves, first_layer: int = 0) -> FloatArray:
     """(M,) the tone asked for where each row of the outer wall ends, `NO_TONE` for all others.
 
-    Rows are recognised by where they end. What ends elsewhere, as a wall does that is closed at its seam, has the tone
+    Rows are recognized by where they end. What ends elsewhere, as a wall does that is closed at its seam, has the tone
     of the row before.
 
     Args:

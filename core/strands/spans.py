@@ -21,10 +21,10 @@ _LOW_BITS = np.int64(0xFFFFFFFF)
 
 
 def unsupported_distance(points: FloatArray, start: IntArray, layer: IntArray, width: FloatArray) -> FloatArray:
-    """How far the centre line lies outside the strands of the layer below; 0 on material and on the bed.
+    """How far the center line lies outside the strands of the layer below; 0 on material and on the bed.
 
     Args:
-        points: (N, 3) mm of all strands; no two neighbours farther apart than about 0.5 mm.
+        points: (N, 3) mm of all strands; no two neighbors farther apart than about 0.5 mm.
         start: (K + 1,) where each strand's points start.
         layer: (K,); the lowest one lies on the bed.
         width: (N,) mm.

@@ -85,7 +85,7 @@ def count(rods: Rods) -> tuple[int, int]:
 
 
 def tubes(rods: Rods) -> Iterator[Tubes]:
-    """The mesh in parts of about a hundred thousand points of centre lines each, so that it need not fit the memory.
+    """The mesh in parts of about a hundred thousand points of center lines each, so that it need not fit the memory.
 
     The polygon that is swept has the area of the oval, and it is mitred at the points of the line: the volume is that
     which was extruded.

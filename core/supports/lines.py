@@ -28,7 +28,7 @@ class Areas:
     """Areas of support to fill alike. S of them.
 
     Attributes:
-        shapes: (S,) areas of centre lines.
+        shapes: (S,) areas of center lines.
         layer: (S,) int64.
         feature: SUPPORT or SUPPORT_INTERFACE.
         spacing_mm: distance of the lines.
@@ -72,7 +72,7 @@ def support_lines(found: Shapes, close: Shapes, settings: PrintSettings) -> Path
     """Lines in all areas of support.
 
     Args:
-        found: (L,) areas of support, for the centre lines.
+        found: (L,) areas of support, for the center lines.
         close: (L,) the parts of them that carry the object directly.
         settings: the supports' spacings and `extrusion_width` are used.
 

@@ -104,7 +104,7 @@ def overhangs(regions: Shapes, reach: FloatArray) -> Shapes:
     """(L,) the parts of each layer that hang over air, wherever they jut out too far.
 
     A layer that juts out less than the reach carries itself. Where one juts out farther, all of the part in the air is
-    an overhang, up to the edge that it hangs on, so that overhangs of neighbouring layers join.
+    an overhang, up to the edge that it hangs on, so that overhangs of neighboring layers join.
 
     Args:
         regions: (L,) cross-sections.

@@ -25,8 +25,8 @@ class Supports:
     """The supports of a print of L layers.
 
     Attributes:
-        paths: of feature SUPPORT and SUPPORT_INTERFACE, in the layers' own colours: they add no tool change.
-        areas: (L,) what the centre lines of their lines cover.
+        paths: of feature SUPPORT and SUPPORT_INTERFACE, in the layers' own colors: they add no tool change.
+        areas: (L,) what the center lines of their lines cover.
     """
 
     paths: Paths
@@ -63,7 +63,7 @@ def on_bed(region: Geometry, area: Geometry, settings: PrintSettings) -> Geometr
 
     Args:
         region: cross-section of the object.
-        area: of the supports' centre lines.
+        area: of the supports' center lines.
         settings: `extrusion_width` is used.
     """
     return shapely.union(region, shapely.buffer(area, settings.extrusion_width / 2, quad_segs=2))

@@ -24,7 +24,7 @@ _MARGIN_MM = 2 * _TOLERANCE_MM + 2 * SIMPLIFY_MM + 2 * GRID_MM
 
 
 def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settings: PrintSettings) -> Shapes:
-    """(L,) where the object leaves no room for the centre lines of supports.
+    """(L,) where the object leaves no room for the center lines of supports.
 
     That is, on the same layer, all that is nearer to the waved outline than the distance asked for, and on the layers
     of air above and below all that would touch a strand.
@@ -53,10 +53,10 @@ def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settin
         return simplified(touching, _TOLERANCE_MM), simplified(beside, _TOLERANCE_MM)
 
     touching, beside = geos_in_threads(chunk, crests, cut.regions, wall)
-    return _with_neighbours(beside, touching, gap)
+    return _with_neighbors(beside, touching, gap)
 
 
-def _with_neighbours(beside: Shapes, touching: Shapes, gap: int) -> Shapes:
+def _with_neighbors(beside: Shapes, touching: Shapes, gap: int) -> Shapes:
     """(L,) a layer's own areas and those of the layers up to `gap` above and below."""
     taken = beside.copy()
     for step in (*range(-gap, 0), *range(1, gap + 1)):

@@ -1,4 +1,4 @@
-"""Pixels and colour attributes into tone: linear-light luminance, with alpha kept separately."""
+"""Pixels and color attributes into tone: linear-light luminance, with alpha kept separately."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def srgb_from_linear(linear: FloatArray) -> FloatArray:
 def tone_image(pixels: Float32Array, encoded_srgb: bool, premultiplied: bool = False) -> ToneImage:
     """The tone of a picture.
 
-    Colours are decoded to linear light before anything is averaged; alpha is never encoded. Values outside 0 to 1
+    Colors are decoded to linear light before anything is averaged; alpha is never encoded. Values outside 0 to 1
     are clipped, pixels that are not finite count as unpainted.
 
     Args:
         pixels: (H, W, 4) red, green, blue, alpha, row 0 at the bottom.
-        encoded_srgb: colours are sRGB-encoded; otherwise they are linear.
-        premultiplied: the colours, as stored, were multiplied with alpha.
+        encoded_srgb: colors are sRGB-encoded; otherwise they are linear.
+        premultiplied: the colors, as stored, were multiplied with alpha.
 
     Raises:
         TextureError: the picture has no pixels.
@@ -55,16 +55,16 @@ def tone_image(pixels: Float32Array, encoded_srgb: bool, premultiplied: bool = F
     return ToneImage(tone.reshape(height, width), alpha.reshape(height, width))
 
 
-def colour_tone(rgba: FloatArray | Float32Array, background_tone: float) -> FloatArray:
-    """Tone (N,) of linear colours (N, 4): luminance, blended by alpha over the background.
+def color_tone(rgba: FloatArray | Float32Array, background_tone: float) -> FloatArray:
+    """Tone (N,) of linear colors (N, 4): luminance, blended by alpha over the background.
 
-    Values outside 0 to 1 are clipped, colours that are not finite are the background.
+    Values outside 0 to 1 are clipped, colors that are not finite are the background.
     """
-    colours = np.asarray(rgba, dtype=np.float64)
-    finite = np.isfinite(colours).all(axis=1)
-    colours = np.clip(np.where(finite[:, None], colours, 0.0), 0.0, 1.0)
-    alpha = colours[:, 3]
-    tone: FloatArray = colours[:, :3] @ np.array(LUMINANCE) * alpha + background_tone * (1 - alpha)
+    colors = np.asarray(rgba, dtype=np.float64)
+    finite = np.isfinite(colors).all(axis=1)
+    colors = np.clip(np.where(finite[:, None], colors, 0.0), 0.0, 1.0)
+    alpha = colors[:, 3]
+    tone: FloatArray = colors[:, :3] @ np.array(LUMINANCE) * alpha + background_tone * (1 - alpha)
     return tone
 
 
@@ -91,10 +91,10 @@ def _decoded(
     finite = np.isfinite(pixels).all(axis=1)
     pixels = np.where(finite[:, None], pixels, np.float32(0.0))
     alpha = np.clip(pixels[:, 3], 0.0, 1.0)
-    colours = pixels[:, :3]
+    colors = pixels[:, :3]
     if premultiplied:
-        colours = colours / np.where(alpha > 0, alpha, 1.0)[:, None]
-    red, green, blue = np.clip(colours, 0.0, 1.0).T
+        colors = colors / np.where(alpha > 0, alpha, 1.0)[:, None]
+    red, green, blue = np.clip(colors, 0.0, 1.0).T
     if tables is not None:
         red, green, blue = (linear_from_srgb(channel.astype(np.float64)) for channel in (red, green, blue))
     tone = LUMINANCE[0] * red + LUMINANCE[1] * green + LUMINANCE[2] * blue

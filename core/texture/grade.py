@@ -1,4 +1,4 @@
-"""Grey pictures from coloured ones: channel mix, levels, automatic contrast."""
+"""Gray pictures from colored ones: channel mix, levels, automatic contrast."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ MOST_CLIPPED = 0.005
 
 @dataclass(frozen=True)
 class Grade:
-    """How a coloured picture becomes a grey one.
+    """How a colored picture becomes a gray one.
 
     Attributes:
         mix: weights of red, green and blue in linear light; only their ratios count.
-        black, white: grey values, as a picture editor shows them (0 to 1, sRGB), that become black and white.
+        black, white: gray values, as a picture editor shows them (0 to 1, sRGB), that become black and white.
         gamma: above 1 lightens the middle.
         auto_contrast: find black and white in the picture instead.
     """
@@ -32,10 +32,10 @@ class Grade:
 
 
 def graded(linear: Float32Array, alpha: Float32Array, grade: Grade) -> FloatArray:
-    """(H, W) grey of a picture, sRGB-encoded, 0 to 1.
+    """(H, W) gray of a picture, sRGB-encoded, 0 to 1.
 
     Args:
-        linear: (H, W, 3) linear colours.
+        linear: (H, W, 3) linear colors.
         alpha: (H, W); unpainted pixels do not count for automatic contrast.
         grade: channel mix, levels, gamma and contrast.
 
@@ -45,22 +45,22 @@ def graded(linear: Float32Array, alpha: Float32Array, grade: Grade) -> FloatArra
     weights = np.array(grade.mix, dtype=np.float64)
     if not weights.sum() > 0:
         raise TextureError("the channel mix adds up to nothing", "give red, green or blue a positive weight")
-    grey = srgb_from_linear(linear @ (weights / weights.sum()))
+    gray = srgb_from_linear(linear @ (weights / weights.sum()))
     black, white = grade.black, grade.white
     if grade.auto_contrast and (alpha > 0).any():
-        black, white = np.quantile(grey[alpha > 0], [MOST_CLIPPED, 1.0 - MOST_CLIPPED])
+        black, white = np.quantile(gray[alpha > 0], [MOST_CLIPPED, 1.0 - MOST_CLIPPED])
         if white - black < 1 / 255:  # an even picture has no contrast to stretch
             black, white = 0.0, 1.0
     if black >= white:
         raise TextureError("the black level is not below the white level", "move the levels apart")
-    levelled: FloatArray = np.clip((grey - black) / (white - black), 0.0, 1.0) ** (1.0 / grade.gamma)
-    return levelled
+    leveled: FloatArray = np.clip((gray - black) / (white - black), 0.0, 1.0) ** (1.0 / grade.gamma)
+    return leveled
 
 
-def linear_colours(rgba: Float32Array, encoded_srgb: bool, premultiplied: bool = False) -> Float32Array:
-    """(H, W, 3) linear colours, 0 to 1, of stored pixels (H, W, 4); what is not finite is black."""
-    colours = np.nan_to_num(rgba[..., :3], nan=0.0, posinf=1.0, neginf=0.0)
+def linear_colors(rgba: Float32Array, encoded_srgb: bool, premultiplied: bool = False) -> Float32Array:
+    """(H, W, 3) linear colors, 0 to 1, of stored pixels (H, W, 4); what is not finite is black."""
+    colors = np.nan_to_num(rgba[..., :3], nan=0.0, posinf=1.0, neginf=0.0)
     if premultiplied:
-        colours = colours / np.maximum(rgba[..., 3:], 1e-6)
-    colours = np.clip(colours, 0.0, 1.0)
-    return linear_from_srgb(colours).astype(np.float32) if encoded_srgb else colours.astype(np.float32)
+        colors = colors / np.maximum(rgba[..., 3:], 1e-6)
+    colors = np.clip(colors, 0.0, 1.0)
+    return linear_from_srgb(colors).astype(np.float32) if encoded_srgb else colors.astype(np.float32)

@@ -21,7 +21,7 @@ class IslandLevel:
         width: w, columns.
         coverage: share of the texel that its island covers, or None where that is 1 for every texel with an island.
         island: (h · w,) the island that covers most of the texel, `NO_ISLAND` for none.
-        uniform: (h · w,) whether the texel, its right neighbour and the two above are wholly of one island, or of none.
+        uniform: (h · w,) whether the texel, its right neighbor and the two above are wholly of one island, or of none.
         mixed: (n,) texels that are neither wholly covered by one island nor wholly empty.
         own: (4, n) which of their `children` are of the same island.
     """

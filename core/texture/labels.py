@@ -97,15 +97,15 @@ def uv_charts(mesh: TriangleMesh, sizes: tuple[tuple[int, int], ...]) -> Charts:
             continue
         own = slice(None) if len(faces) == len(island) else faces
         corners = place if len(faces) == len(textured) else place[np.searchsorted(textured, faces)]
-        image, island[own] = rasterised(mesh.face_uv[own], area[own], island[own], height, width, corners)
+        image, island[own] = rasterized(mesh.face_uv[own], area[own], island[own], height, width, corners)
         labels.append(image)
     return Charts(island, area, tuple(labels))
 
 
-def rasterised(
+def rasterized(
     face_uv: FloatArray, area: FloatArray, island: LabelImage, height: int, width: int, place: IntArray
 ) -> tuple[LabelImage, LabelImage]:
-    """Label the texels whose centres lie in the UV triangles; UVs outside 0 to 1 repeat the picture.
+    """Label the texels whose centers lie in the UV triangles; UVs outside 0 to 1 repeat the picture.
 
     Islands that lie on one another (mirrored halves share their texels) become one. A picture that is used as a
     repeating pattern is one island that covers all of it.
@@ -123,7 +123,7 @@ def rasterised(
     """
     texels, size = width * height, np.array([width, height])
     edges = _edges(face_uv, np.sign(area), place, island, size)
-    row, end = (_centre_from(ends[:, 1]).astype(np.int64) for ends in (edges.low, edges.high))
+    row, end = (_center_from(ends[:, 1]).astype(np.int64) for ends in (edges.low, edges.high))
     count = end - row
     if np.abs(area).sum() > _REPEATS or count.sum() > _REPEATS * (texels + len(island)):
         return np.full((height, width), island[0]), np.full_like(island, island[0])
@@ -137,7 +137,7 @@ def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray, island: Label
     Args:
         face_uv: (T, 3, 2).
         side: (T,) 1 for triangles that turn left in the picture, -1 for those that turn right, 0 without an area.
-        place: (T, 3) see `rasterised`.
+        place: (T, 3) see `rasterized`.
         island: (T,).
         size: width and height, texels.
     """
@@ -149,7 +149,7 @@ def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray, island: Label
     own[one], own[other] = uv.take(corner), uv.take(after)
     start, end = (own.take(corners).view(np.float64).reshape(-1, 2) * size for corners in (one, other))
     turn = side[face]
-    crossing = np.flatnonzero((_centre_from(start[:, 1]) != _centre_from(end[:, 1])) & (turn != 0))
+    crossing = np.flatnonzero((_center_from(start[:, 1]) != _center_from(end[:, 1])) & (turn != 0))
     face, one, other, start, end, turn = _some(crossing, face, one, other, start, end, turn)
     # Two triangles on either side of an edge run along it in opposite directions.
     pair = np.unique(np.minimum(one, other) * places + np.maximum(one, other), return_inverse=True)[1]
@@ -183,8 +183,8 @@ def _on_borders(place: IntArray, side: FloatArray, places: int) -> IntArray:
     return np.concatenate([3 * np.flatnonzero(outside[:, k] & outside[:, k - 2]) + k for k in range(3)])
 
 
-def _centre_from(edge: FloatArray) -> FloatArray:
-    """The first texel whose centre is not before an edge."""
+def _center_from(edge: FloatArray) -> FloatArray:
+    """The first texel whose center is not before an edge."""
     return np.asarray(np.ceil(edge - 0.5))
 
 
@@ -235,7 +235,7 @@ def _crossings(edges: _Edges, part: slice, first: IntArray, count: IntArray) -> 
     slope = (high[:, 0] - low[:, 0]) / np.where(rise > 0, rise, 1.0)
     edge, row = np.repeat(np.arange(len(count)), count), ranges(first, count)
     at = low[edge, 0] + (row + 0.5 - low[edge, 1]) * slope[edge]
-    column = 2 * _centre_from(at).astype(np.int64) + edges.ends[part][edge]
+    column = 2 * _center_from(at).astype(np.int64) + edges.ends[part][edge]
     return edges.island[part][edge].astype(np.int64), row, column
 
 

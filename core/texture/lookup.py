@@ -25,7 +25,7 @@ def tone_at(
         pyramids: from `build_pyramids`, of the mesh that the faces belong to.
         face: (N,) the face that each point lies on.
         uv: (N, 2).
-        vertex_tone: (N,) tone from a colour attribute, for points without a texture; NaN for none.
+        vertex_tone: (N,) tone from a color attribute, for points without a texture; NaN for none.
         background_tone: where nothing is painted.
 
     Returns:
@@ -165,8 +165,8 @@ def _bilinear(
     left, below = np.floor(right_share), np.floor(upper_share)
     right_share -= left
     upper_share -= below
-    columns = _neighbours(left, level.width, picture.repeats)
-    rows = _neighbours(below, level.height, picture.repeats)
+    columns = _neighbors(left, level.width, picture.repeats)
+    rows = _neighbors(below, level.height, picture.repeats)
     paint, alpha, weight = np.zeros((3, len(x)), dtype=np.float32)
     for row, across in zip(rows, (1 - upper_share, upper_share), strict=True):
         row *= level.width
@@ -185,7 +185,7 @@ def _bilinear(
     return paint / divisor, known.astype(np.float32) if level.alpha is None else alpha / divisor, known
 
 
-def _neighbours(first: Float32Array, count: int, repeats: bool) -> tuple[IntArray, IntArray]:
+def _neighbors(first: Float32Array, count: int, repeats: bool) -> tuple[IntArray, IntArray]:
     """Texel numbers `first` (-1 to count - 1) and the next ones, wrapped around or clamped to 0 to count - 1."""
     low, high = first.astype(np.int64), first.astype(np.int64) + 1
     low[low < 0] = count - 1 if repeats else 0

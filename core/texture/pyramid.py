@@ -1,4 +1,4 @@
-"""Mip pyramids that keep UV islands apart: gutters do not bleed and neighbouring charts do not mix."""
+"""Mip pyramids that keep UV islands apart: gutters do not bleed and neighboring charts do not mix."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Level:
         alpha: likewise, or None where the whole picture is opaque.
         coverage: share of the texel that its island covers, or None where that is 1 for every texel with an island.
         island: (h · w,) the island that covers most of the texel, `NO_ISLAND` for none.
-        uniform: (h · w,) whether the texel, its right neighbour and the two above are wholly of one island, or of none.
+        uniform: (h · w,) whether the texel, its right neighbor and the two above are wholly of one island, or of none.
     """
 
     height: int

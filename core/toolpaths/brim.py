@@ -44,7 +44,7 @@ def brim_paths(first_layer: shapely.Geometry, settings: PrintSettings) -> Paths:
 
 
 def _nested(levels: list[NDArray[np.object_]]) -> list[shapely.Geometry]:
-    """Rings so ordered that each follows the one around it, and all within a ring come before its neighbour.
+    """Rings so ordered that each follows the one around it, and all within a ring come before its neighbor.
 
     Args:
         levels: rings from the outermost level in; each lies within one of the level before.

@@ -34,7 +34,7 @@ def recovered_moves(
 
     A layer is a height at which plastic is laid down; it is as high as its distance from the layer below. A line's
     width follows from the filament fed. Rounding makes it uncertain for short moves, so a line whose widths agree
-    within that has one width, and elsewhere it is averaged over a few tenths of a millimetre.
+    within that has one width, and elsewhere it is averaged over a few tenths of a millimeter.
 
     Args:
         position: (M, 3) mm, after each row.

@@ -50,8 +50,8 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
     asked = feature_speeds(settings)[paths.feature]
     asked = np.where(paths.layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
     height = layers.height[paths.layer] * settings.extrusion_multiplier
-    travelled = np.zeros(len(length) + 1)
-    np.cumsum(length, out=travelled[1:])
+    traveled = np.zeros(len(length) + 1)
+    np.cumsum(length, out=traveled[1:])
     queue, seconds = settings.printer_profile.queue_moves, settings.min_move_time / 1000
     count = np.diff(paths.start)
 
@@ -59,9 +59,9 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
         """The speeds of some chords that follow each other, by their lengths and the speeds asked for."""
         limit = curve_limit(paths, length, chord, settings.max_curve_acceleration)
         here = slice(int(chord[0]), int(chord[-1]) + 1)
-        # A chord that takes its time at the speed asked for is never a burden, whatever its neighbours are.
+        # A chord that takes its time at the speed asked for is never a burden, whatever its neighbors are.
         short = np.flatnonzero(own < wanted * seconds)
-        rate = move_time_limit(paths, travelled, chord[short], path[short], seconds, queue)
+        rate = move_time_limit(paths, traveled, chord[short], path[short], seconds, queue)
         limit[short] = np.minimum(limit[short], rate)
         if settings.max_volumetric_speed > 0:
             section = paths.width[here] * height.take(path)
@@ -138,13 +138,13 @@ def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, accele
 
 
 def move_time_limit(
-    paths: OrderedPaths, travelled: FloatArray, chord: IntArray, path: IntArray, seconds: float, queue_moves: int
+    paths: OrderedPaths, traveled: FloatArray, chord: IntArray, path: IntArray, seconds: float, queue_moves: int
 ) -> FloatArray:
     """(C,) mm/s at which half a queue of moves around each chord takes `seconds` a move on average.
 
     Args:
         paths: in printing order.
-        travelled: (N + 1,) mm before each point, and after the last one.
+        traveled: (N + 1,) mm before each point, and after the last one.
         chord: (C,) points at which the chords begin.
         path: (C,) of each.
         seconds: a move, 0 for no limit.
@@ -156,6 +156,6 @@ def move_time_limit(
     first = np.maximum(chord - reach + 1, paths.start[path])
     last = np.minimum(chord + reach + 1, paths.start[path + 1] - 1)  # the last point has no chord
     moves = np.maximum(last - first, 1)
-    mean = (travelled[np.maximum(last, first)] - travelled[first]) / moves
+    mean = (traveled[np.maximum(last, first)] - traveled[first]) / moves
     # A chord of its own length is never a burden.
-    return np.asarray(np.maximum(mean, travelled[chord + 1] - travelled[chord]) / seconds)
+    return np.asarray(np.maximum(mean, traveled[chord + 1] - traveled[chord]) / seconds)

@@ -39,7 +39,7 @@ class Ground:
 
 
 def shadow(lines: FloatArray, columns: NDArray[np.object_], settings: PrintSettings) -> shapely.Geometry:
-    """What all layers cover, holes filled, with the waves that may stand out, and about half a millimetre more.
+    """What all layers cover, holes filled, with the waves that may stand out, and about half a millimeter more.
 
     Args:
         lines: (N, 2) mm, points of the contours.

@@ -1,6 +1,6 @@
 """Which tool prints each path, and in which order the tools take their turns within a layer.
 
-Layers alternate between the colours, so a layer's tool is known by its number. Where parts of the outer wall are left
+Layers alternate between the colors, so a layer's tool is known by its number. Where parts of the outer wall are left
 to the other tool (`solid_regions = tool_change`), a layer is printed by both: first by the tool that ended the layer
 below, then, after the only tool change, by the other one. So the change from layer to layer moves into the layer, and a
 print has as many changes as before, or one more. What primes a nozzle, the tower, goes to the tool that a layer ends

@@ -12,7 +12,7 @@ from ..settings.printer import PrinterProfile
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
 from .reader import read_x3g
 
-_LONGEST_GAP = 0.6  # mm; a step of filament makes a quarter of a millimetre of a usual line
+_LONGEST_GAP = 0.6  # mm; a step of filament makes a quarter of a millimeter of a usual line
 _STEP_MM = 0.02  # places that whole steps make are this near
 _TRAVELS = 2.0  # times as fast as the lines before and after: a move that goes between them
 

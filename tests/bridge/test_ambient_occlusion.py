@@ -39,7 +39,7 @@ def test_a_corner_is_half_dark_and_grows_lighter_away_from_it(corner):
     assert np.all(np.diff(rows[33:62:7]) > 0)
 
 
-def test_distance_is_in_millimetres_in_every_scene(corner):
+def test_distance_is_in_millimeters_in_every_scene(corner):
     near = occlusion(corner, (32, 32), distance_mm=4.0, samples=32)
     far = occlusion(corner, (32, 32), distance_mm=40.0, samples=32)
     assert far.mean() < near.mean() - 0.1

@@ -33,7 +33,7 @@ def test_a_turned_ball_is_no_larger_than_it_is():
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "centred", "said"),
+    ("low", "high", "centered", "said"),
     [
         ((0, 0, 0), (210, 146, 150), True, ""),
         ((0, 0, 0), (210, 146, 150), False, "beyond the reach"),
@@ -42,8 +42,8 @@ def test_a_turned_ball_is_no_larger_than_it_is():
         ((0, 0, -1), (9, 9, 9), False, "beyond the reach"),
     ],
 )
-def test_what_does_not_fit_is_said(low, high, centred, said):
-    sentence = what_does_not_fit(np.array([low, high], dtype=float), PRINTER, centred)
+def test_what_does_not_fit_is_said(low, high, centered, said):
+    sentence = what_does_not_fit(np.array([low, high], dtype=float), PRINTER, centered)
     assert said in sentence and bool(said) == bool(sentence)
 
 
@@ -70,7 +70,7 @@ def test_scale_to_height_proposes_a_usual_height_for_what_has_none(height, propo
     assert operator.height == pytest.approx(proposed) and not operator.scene_in_mm
 
 
-def test_scale_to_height_in_metres_and_in_mm():
+def test_scale_to_height_in_meters_and_in_mm():
     bpy.context.scene.unit_settings.scale_length = 1.0
     box = add_box((1, 2, 4))
     box.rotation_euler.x = math.radians(90)

@@ -44,7 +44,7 @@ def test_calibrated_print_shows_the_tones_asked_for(quick, slant):
 
 
 def test_bars_of_light_lose_nothing_to_the_width_of_dark_lines(quick, monkeypatch):
-    """Bars a millimetre wide reflect, in all, the mean of the two tones aimed at."""
+    """Bars a millimeter wide reflect, in all, the mean of the two tones aimed at."""
     chosen = PrintSettings()
     at = np.linspace(-20.0, 20.0, 401)
     tone = np.where(np.floor(at / 2.0 + 1e-6) % 2 == 0, 0.5, 1.0)
@@ -69,7 +69,7 @@ def test_patches_agree_with_the_gradient_of_the_table(quick):
 
 
 def test_gamut_collapses_to_the_sides_and_keeps_its_bearings(quick, monkeypatch):
-    """Nearly edge on from above or below a print is all one colour or the other; it is the widest near face on."""
+    """Nearly edge on from above or below a print is all one color or the other; it is the widest near face on."""
     monkeypatch.setattr(
         "dualcolor.bridge.measuring.gonioreflectometer.angles_of", lambda block: [(0.0, 0.0), (75.0, 0.0)]
     )

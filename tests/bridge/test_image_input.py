@@ -11,12 +11,12 @@ from dualcolor.core.errors import TextureError  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb  # noqa: E402
 from dualcolor.tests.scene import add_box, add_uvs, flat_image  # noqa: E402
 
-GREY_LINEAR = 0.21404114  # sRGB 0.5, decoded
+GRAY_LINEAR = 0.21404114  # sRGB 0.5, decoded
 pytestmark = pytest.mark.usefixtures("registered")
 
 
-@pytest.mark.parametrize(("options", "tone"), [({}, GREY_LINEAR), ({"is_data": True}, 0.5), ({"is_float": True}, 0.5)])
-def test_images_are_decoded_by_kind_and_colour_space(options, tone):
+@pytest.mark.parametrize(("options", "tone"), [({}, GRAY_LINEAR), ({"is_data": True}, 0.5), ({"is_float": True}, 0.5)])
+def test_images_are_decoded_by_kind_and_color_space(options, tone):
     np.testing.assert_allclose(image_tone(flat_image((0.5, 0.5, 0.5, 1), **options)).tone, tone, atol=2.5e-3)
 
 
@@ -28,8 +28,8 @@ def test_alpha_means_coverage_unless_the_image_says_otherwise():
 
 
 @pytest.mark.parametrize(("mode", "tone", "alpha"), [("PREMUL", 0.5, 0.5), ("STRAIGHT", 0.25, 0.5), ("NONE", 0.25, 1)])
-def test_an_exr_of_half_covered_grey(tmp_path, mode, tone, alpha):
-    """Its colour is multiplied by alpha in the file, as renderers write it, unless the image says otherwise."""
+def test_an_exr_of_half_covered_gray(tmp_path, mode, tone, alpha):
+    """Its color is multiplied by alpha in the file, as renderers write it, unless the image says otherwise."""
     settings = bpy.context.scene.render.image_settings
     settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", "RGBA", "32"
     flat_image((0.25, 0.25, 0.25, 0.5), is_float=True).save_render(str(tmp_path / "half.exr"))
@@ -58,7 +58,7 @@ def test_a_missing_picture_is_said_before_anything_is_made_of_it():
     box.dualcolor.image = image
     with pytest.raises(TextureError, match="the image lost has no pixels"):
         image_tone(image)
-    for operator in (bpy.ops.dualcolor.bake_occlusion, bpy.ops.dualcolor.grey_from_color, bpy.ops.dualcolor.generate):
+    for operator in (bpy.ops.dualcolor.bake_occlusion, bpy.ops.dualcolor.gray_from_color, bpy.ops.dualcolor.generate):
         with pytest.raises(RuntimeError, match="the image lost has no pixels"):
             operator()
 

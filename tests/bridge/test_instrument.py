@@ -42,7 +42,7 @@ def empty():
 
 
 def add_plane(face, reflectance):
-    """A matt plane in the face, in the scene of the stand, which has its origin in the face's centre."""
+    """A matt plane in the face, in the scene of the stand, which has its origin in the face's center."""
     right, up, out = face.axes
     corners = [out + x * 50 * right + y * 50 * up for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     mesh = bpy.data.meshes.new("plane")

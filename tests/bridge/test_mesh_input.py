@@ -21,15 +21,15 @@ from dualcolor.tests.scene import (
 
 
 @pytest.mark.parametrize(
-    ("system", "scale", "millimetres"),
+    ("system", "scale", "millimeters"),
     [("METRIC", 1.0, 1000.0), ("METRIC", 0.001, 1.0), ("IMPERIAL", 0.3048, 304.8), ("NONE", 1.0, 1.0)],
 )
-def test_scene_units_become_millimetres(system, scale, millimetres):
-    fresh(millimetres=False)
+def test_scene_units_become_millimeters(system, scale, millimeters):
+    fresh(millimeters=False)
     units = bpy.context.scene.unit_settings
     units.system, units.scale_length = system, scale
     box = add_box((0.5, 2, 3))
-    np.testing.assert_allclose(extent(model_of(box)), np.array([0.5, 2, 3]) * millimetres, rtol=1e-6)
+    np.testing.assert_allclose(extent(model_of(box)), np.array([0.5, 2, 3]) * millimeters, rtol=1e-6)
 
 
 def test_world_transform_with_parent_is_applied():

@@ -78,7 +78,7 @@ def test_all_meshes_of_a_file_are_joined_with_their_pictures(tmp_path):
 
 
 def test_blend_keeps_units_and_modifiers_and_takes_the_active_mesh(tmp_path):
-    fresh(millimetres=False)
+    fresh(millimeters=False)
     add_box((1, 1, 1), name="first")
     box = add_box((0.01, 0.02, 0.03), name="second")
     box.modifiers.new("Array", "ARRAY").count = 2
@@ -172,7 +172,7 @@ def test_a_traceback_of_an_importer_is_not_passed_on(tmp_path):
     assert "\n" not in str(caught.value)
 
 
-def test_colours_of_a_ply_become_tone(tmp_path):
+def test_colors_of_a_ply_become_tone(tmp_path):
     path = tmp_path / "tetra.ply"
     header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
     header += "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 4\n"
@@ -236,7 +236,7 @@ def test_unwrapping_fills_the_square_without_overlap_and_keeps_old_maps(method):
 
 
 @pytest.mark.parametrize("side", [8, 20, 60])
-def test_smart_charts_are_half_a_millimetre_apart(side):
+def test_smart_charts_are_half_a_millimeter_apart(side):
     fresh()
     box = add_box((side, side, side))
     unwrap(box, "smart")

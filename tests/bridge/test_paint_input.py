@@ -1,4 +1,4 @@
-"""The paint of a Blender object becomes the job's input: pictures of materials, UV maps, colour attributes."""
+"""The paint of a Blender object becomes the job's input: pictures of materials, UV maps, color attributes."""
 
 import bpy
 import numpy as np
@@ -13,13 +13,13 @@ from dualcolor.tests.scene import (
     model_of,
 )
 
-GREY_LINEAR = 0.21404114  # sRGB 0.5, decoded
+GRAY_LINEAR = 0.21404114  # sRGB 0.5, decoded
 
 
-def test_no_colour_at_all_leaves_the_background():
+def test_no_color_at_all_leaves_the_background():
     fresh()
     box = add_box()
-    add_material(box, colour=(0.9, 0.1, 0.1, 1))
+    add_material(box, color=(0.9, 0.1, 0.1, 1))
     model = model_of(box)
     assert model.textures == () and model.corner_tone is None and model.corner_uv is None
     assert (model.polygon_texture == -1).all()
@@ -42,10 +42,10 @@ def test_image_of_the_material_is_found(shader):
     add_uvs(box)
     add_material(box, flat_image((0.5, 0.5, 0.5, 1)), shader=shader)
     model = model_of(box)
-    np.testing.assert_allclose(model.textures[0].tone, GREY_LINEAR, atol=2e-3)
+    np.testing.assert_allclose(model.textures[0].tone, GRAY_LINEAR, atol=2e-3)
 
 
-def test_image_is_found_behind_mix_shaders_and_colour_nodes():
+def test_image_is_found_behind_mix_shaders_and_color_nodes():
     fresh()
     box = add_box()
     add_uvs(box)
@@ -67,13 +67,13 @@ def test_image_is_found_behind_mix_shaders_and_colour_nodes():
 
 
 @pytest.mark.parametrize("pictured", ["inside", "outside"])
-@pytest.mark.parametrize("grouped", ["colour", "shader"])
+@pytest.mark.parametrize("grouped", ["color", "shader"])
 def test_image_is_found_inside_groups_and_through_them(pictured, grouped):
     fresh()
     box = add_box()
     add_uvs(box)
     add_uvs(box, np.full(2, 0.25), "asked for")
-    _, tree = add_material(box, colour=(1, 0, 0, 1))
+    _, tree = add_material(box, color=(1, 0, 0, 1))
     group = bpy.data.node_groups.new("group", "ShaderNodeTree")
     group.interface.new_socket("Unused", in_out="INPUT", socket_type="NodeSocketColor")
     group.interface.new_socket("Paint", in_out="INPUT", socket_type="NodeSocketColor")
@@ -100,18 +100,18 @@ def test_image_is_found_inside_groups_and_through_them(pictured, grouped):
     group.links.new(source, result.inputs["Out"])
     tree.links.new(around.outputs["Out"], target)
     model = model_of(box)
-    np.testing.assert_allclose(model.textures[0].tone, GREY_LINEAR, atol=2e-3)
+    np.testing.assert_allclose(model.textures[0].tone, GRAY_LINEAR, atol=2e-3)
     assert (model.corner_uv == 0.25).all()
 
 
-def test_each_material_has_its_own_picture_or_colour():
+def test_each_material_has_its_own_picture_or_color():
     fresh()
     box = add_box()
     add_uvs(box)
     shared = flat_image((1, 1, 1, 1), "shared")
     add_material(box, flat_image((0, 0, 0, 1), "unused"))
     add_material(box, shared)
-    add_material(box, colour=(0.25, 0.25, 0.25, 1))
+    add_material(box, color=(0.25, 0.25, 0.25, 1))
     add_material(box, flat_image((0, 0, 0, 1), "black"))
     add_material(box, shared)
     box.data.polygons.foreach_set("material_index", [1, 2, 3, 4, 1, 1])
@@ -153,22 +153,22 @@ def test_a_picture_can_ask_for_its_own_uv_map():
 
 @pytest.mark.parametrize("kind", ["FLOAT_COLOR", "BYTE_COLOR"])
 @pytest.mark.parametrize("domain", ["POINT", "CORNER"])
-def test_colour_attributes_are_linear_and_blend_by_alpha(kind, domain):
+def test_color_attributes_are_linear_and_blend_by_alpha(kind, domain):
     fresh()
     box = add_box()
     attribute = box.data.color_attributes.new("paint", kind, domain)
-    colours = np.zeros((len(attribute.data), 4), dtype=np.float32)
-    colours[:, :3], colours[:, 3] = 0.5, 1.0
-    colours[0] = (1, 1, 1, 0)
-    attribute.data.foreach_set("color_srgb", colours.ravel())
+    colors = np.zeros((len(attribute.data), 4), dtype=np.float32)
+    colors[:, :3], colors[:, 3] = 0.5, 1.0
+    colors[0] = (1, 1, 1, 0)
+    attribute.data.foreach_set("color_srgb", colors.ravel())
     box.data.color_attributes.active_color = attribute
     tone = model_of(box, background_tone=0.75).corner_tone
     bare = model_of(box).corner_vertex == 0 if domain == "POINT" else np.arange(24) == 0
     np.testing.assert_allclose(tone[bare], 0.75, atol=1e-6)
-    np.testing.assert_allclose(tone[~bare], GREY_LINEAR, atol=3e-3)
+    np.testing.assert_allclose(tone[~bare], GRAY_LINEAR, atol=3e-3)
 
 
-def test_image_beats_the_colour_attribute():
+def test_image_beats_the_color_attribute():
     fresh()
     box = add_box()
     add_uvs(box)
@@ -178,13 +178,13 @@ def test_image_beats_the_colour_attribute():
     assert model_of(box).corner_tone is None
 
 
-def test_colours_that_are_no_numbers_count_as_unpainted():
+def test_colors_that_are_no_numbers_count_as_unpainted():
     fresh()
     box = add_box()
     attribute = box.data.color_attributes.new("paint", "FLOAT_COLOR", "POINT")
-    colours = np.ones((8, 4), dtype=np.float32)
-    colours[3] = np.nan
-    attribute.data.foreach_set("color", colours.ravel())
+    colors = np.ones((8, 4), dtype=np.float32)
+    colors[3] = np.nan
+    attribute.data.foreach_set("color", colors.ravel())
     box.data.color_attributes.active_color = attribute
     model = model_of(box, background_tone=0.25)
     np.testing.assert_allclose(model.corner_tone, np.where(model.corner_vertex == 3, 0.25, 1.0))

@@ -1,4 +1,4 @@
-"""From a bare mesh to a picture that can be painted on, and from a coloured picture to a grey one."""
+"""From a bare mesh to a picture that can be painted on, and from a colored picture to a gray one."""
 
 import math
 
@@ -21,33 +21,33 @@ def test_srgb_there_and_back():
 
 
 def test_channel_mix_takes_the_channel_asked_for():
-    colours = np.random.default_rng(1).random((6, 7, 3)).astype(np.float32)
-    grey = graded(colours, np.ones((6, 7), np.float32), Grade((0.0, 2.0, 0.0), auto_contrast=False))
-    np.testing.assert_allclose(linear_from_srgb(grey), colours[..., 1], atol=1e-6)
+    colors = np.random.default_rng(1).random((6, 7, 3)).astype(np.float32)
+    gray = graded(colors, np.ones((6, 7), np.float32), Grade((0.0, 2.0, 0.0), auto_contrast=False))
+    np.testing.assert_allclose(linear_from_srgb(gray), colors[..., 1], atol=1e-6)
 
 
 def test_levels_and_gamma():
     encoded = np.linspace(0, 1, 11)
-    colours = np.repeat(linear_from_srgb(encoded)[None, :, None], 3, axis=2).astype(np.float32)
-    grey = graded(colours, np.ones((1, 11), np.float32), Grade(black=0.2, white=0.8, gamma=2.0, auto_contrast=False))
-    np.testing.assert_allclose(grey[0], np.clip((encoded - 0.2) / 0.6, 0, 1) ** 0.5, atol=1e-5)
+    colors = np.repeat(linear_from_srgb(encoded)[None, :, None], 3, axis=2).astype(np.float32)
+    gray = graded(colors, np.ones((1, 11), np.float32), Grade(black=0.2, white=0.8, gamma=2.0, auto_contrast=False))
+    np.testing.assert_allclose(gray[0], np.clip((encoded - 0.2) / 0.6, 0, 1) ** 0.5, atol=1e-5)
 
 
 def test_auto_contrast_fills_the_range_and_ignores_what_is_not_painted():
-    colours = np.full((20, 20, 3), 0.3, dtype=np.float32)
-    colours[:, :10] = 0.4
+    colors = np.full((20, 20, 3), 0.3, dtype=np.float32)
+    colors[:, :10] = 0.4
     alpha = np.ones((20, 20), dtype=np.float32)
-    colours[0], alpha[0] = 1.0, 0.0
-    grey = graded(colours, alpha, Grade())
-    assert grey[1:, :10].min() == 1.0 and grey[1:, 10:].max() == 0.0
+    colors[0], alpha[0] = 1.0, 0.0
+    gray = graded(colors, alpha, Grade())
+    assert gray[1:, :10].min() == 1.0 and gray[1:, 10:].max() == 0.0
 
 
 def test_a_grade_that_makes_no_sense_is_said():
-    colours, alpha = np.full((2, 2, 3), 0.3, dtype=np.float32), np.ones((2, 2), np.float32)
+    colors, alpha = np.full((2, 2, 3), 0.3, dtype=np.float32), np.ones((2, 2), np.float32)
     with pytest.raises(TextureError, match="black level"):
-        graded(colours, alpha, Grade(black=0.7, white=0.7, auto_contrast=False))
+        graded(colors, alpha, Grade(black=0.7, white=0.7, auto_contrast=False))
     with pytest.raises(TextureError, match="channel mix"):
-        graded(colours, alpha, Grade((1.0, -1.0, 0.0)))
+        graded(colors, alpha, Grade((1.0, -1.0, 0.0)))
 
 
 def test_picture_has_texels_no_larger_than_asked(registered):
@@ -92,7 +92,7 @@ def test_brushes_paint_black_and_the_palette_has_even_steps_for_the_eye(register
     bpy.ops.dualcolor.set_up_painting()
     assert tuple(shared.color) == (0.0, 0.0, 0.0) and not (paint.brush and any(paint.brush.color))
     stored = np.array([held.color[:] for held in paint.palette.colors])
-    # Since Blender 5 these colours are linear; what a picture of bytes gets is encoded.
+    # Since Blender 5 these colors are linear; what a picture of bytes gets is encoded.
     shown = srgb_from_linear(stored) if bpy.app.version >= (5, 0) else stored
     np.testing.assert_allclose(shown, np.linspace(0, 1, 11)[:, None].repeat(3, axis=1), atol=1e-6)
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -112,34 +112,34 @@ def test_painting_keeps_the_picture_and_the_materials_that_are_there(registered)
 
 def test_painting_chooses_a_picture_beside_materials_without_one(registered):
     box = add_box((40, 40, 40))
-    material, _ = add_material(box, colour=(1, 0, 0, 1))
+    material, _ = add_material(box, color=(1, 0, 0, 1))
     bpy.ops.dualcolor.set_up_painting()
     assert box.data.materials[0] == material and box.dualcolor.image.name == "box Tone"
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def test_grey_picture_is_printed_instead_of_the_coloured_one(registered):
+def test_gray_picture_is_printed_instead_of_the_colored_one(registered):
     box = add_box()
     add_uvs(box)
     image = flat_image((1, 0, 0, 1))
     add_material(box, image)
-    assert bpy.ops.dualcolor.grey_from_color(mix=(1, 0, 0), auto_contrast=False) == {"FINISHED"}
+    assert bpy.ops.dualcolor.gray_from_color(mix=(1, 0, 0), auto_contrast=False) == {"FINISHED"}
     made = box.dualcolor.image
     assert made != image and list(made.pixels[:4]) == [1, 1, 1, 1]
     assert list(image.pixels[:4]) == [1, 0, 0, 1] and image.use_fake_user
     assert {node.image for node in box.active_material.node_tree.nodes if node.type == "TEX_IMAGE"} == {made}
 
 
-def test_a_grey_picture_of_one_material_leaves_the_picture_of_another(registered):
+def test_a_gray_picture_of_one_material_leaves_the_picture_of_another(registered):
     box = add_box()
     add_uvs(box)
     first, second = flat_image((1, 0, 0, 1), "first"), flat_image((0, 0, 1, 1), "second")
     for picture in (first, second):
         add_material(box, picture)
     box.data.polygons[0].material_index = 1
-    bpy.ops.dualcolor.grey_from_color()
+    bpy.ops.dualcolor.gray_from_color()
     assert box.dualcolor.image is None, "it would cover the other material too"
-    assert picture_of(box).name == "first Grey"
+    assert picture_of(box).name == "first Gray"
     assert {node.image for node in box.data.materials[1].node_tree.nodes if node.type == "TEX_IMAGE"} == {second}
 
 
@@ -215,4 +215,4 @@ def test_buttons_say_what_is_missing(registered):
         bpy.ops.dualcolor.set_up_painting()
     add_box()
     with pytest.raises(RuntimeError, match="Choose an image"):
-        bpy.ops.dualcolor.grey_from_color()
+        bpy.ops.dualcolor.gray_from_color()

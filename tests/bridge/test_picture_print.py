@@ -37,7 +37,7 @@ def printed(tone, pattern, rows_up=0.0):
 def test_every_row_of_texels_shows_on_its_own_two_layers(darkest, layer_up):
     """In its dark half a picture is made by the white layers, the upper of each pair, in the light half by the lower.
 
-    Rows are unlike their neighbours, so a picture that is a layer too low or too high does not fit, nor one that is
+    Rows are unlike their neighbors, so a picture that is a layer too low or too high does not fit, nor one that is
     mirrored, upside down or negative.
     """
     random = np.random.default_rng(4).random((30, 28))

@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.strands.preview import build_preview, is_print_shown, preview_of, show_print, source_of  # noqa: E402
 from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
-from dualcolor.bridge.units import mm_per_unit, use_millimetres  # noqa: E402
+from dualcolor.bridge.units import mm_per_unit, use_millimeters  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.strands.beads import strands  # noqa: E402
 from dualcolor.tests.strand_volume import volume_mm3  # noqa: E402
@@ -17,7 +17,7 @@ from dualcolor.tests.strand_volume import volume_mm3  # noqa: E402
 @pytest.fixture
 def cube(scene):
     """A block of the sample's size in a scene that counts in mm, turned and away from the origin."""
-    use_millimetres(scene)
+    use_millimeters(scene)
     bpy.ops.mesh.primitive_cube_add(size=1, location=(30, -20, 5))
     made = bpy.context.object
     made.scale = (SIDE, SIDE, LAYERS * STEP)

@@ -10,7 +10,7 @@ from dualcolor import cli  # noqa: E402
 from dualcolor.bridge.strands.preview import build_preview, preview_of  # noqa: E402
 from dualcolor.bridge.strands.print_file import read_print, show_file  # noqa: E402
 from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
-from dualcolor.bridge.units import use_millimetres  # noqa: E402
+from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.core.errors import PrintError  # noqa: E402
 from dualcolor.core.gcode.writer import gcode_text  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
@@ -46,15 +46,15 @@ def shown(collection):
 
 
 def test_scene_to_gcode_to_preview(scene, printed, gcode):
-    use_millimetres(scene)
+    use_millimeters(scene)
     expected = shown(build_preview(printed))
     read = shown(show_file(gcode))
     assert read.keys() == expected.keys()
     # Where the roundness is just between two levels, the last digit decides in which object a piece of strand is.
-    for colour in ("Black", "White"):
+    for color in ("Black", "White"):
         old, new = (
             np.concatenate([np.column_stack([held[0], np.repeat(held[3], held[1])]) for name, held in
-                            found.items() if name.startswith(colour)])
+                            found.items() if name.startswith(color)])
             for found in (expected, read)
         )  # fmt: skip
         assert len(new) == pytest.approx(len(old), rel=0.01)
@@ -82,8 +82,8 @@ def test_both_files_tell_the_same_lines(printed, gcode, tmp_path):
     path.write_bytes(x3g_bytes(printed.moves, printed.settings, "brick"))
     both = [read_print(file) for file in (path, gcode)]
     assert len({read.summary for read in both}) == 1
-    metres = steps(printed.moves)[printed.moves.extrudes].sum() / 1000
-    assert both[0].summary == f"8 layers, {metres:.1f} m of strands"
+    meters = steps(printed.moves)[printed.moves.extrudes].sum() / 1000
+    assert both[0].summary == f"8 layers, {meters:.1f} m of strands"
     # Neither the lines that prime in front of the print nor short travels between two lines are taken for strands.
     laid, expected = (
         np.bincount(moves.layer[moves.extrudes], steps(moves)[moves.extrudes])

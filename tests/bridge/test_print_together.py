@@ -93,9 +93,9 @@ def test_an_object_of_two_plates_comes_back_as_it_was(blocks):
 
 def test_each_object_has_its_own_picture(blocks):
     first, second, _ = blocks
-    for obj, grey in ((first, 0.0), (second, 1.0)):
+    for obj, gray in ((first, 0.0), (second, 1.0)):
         add_uvs(obj)
-        add_material(obj, flat_image((grey, grey, grey, 1), obj.name))
+        add_material(obj, flat_image((gray, gray, gray, 1), obj.name))
     depsgraph = bpy.context.evaluated_depsgraph_get()
     white = flat_image((1, 1, 1, 1), "white")
     model = plate_model([first, second], depsgraph, PrintSettings(), [None, None])
@@ -118,7 +118,7 @@ def box_file(folder, name, size, suffix=".stl"):
     return path
 
 
-def test_files_are_imported_side_by_side_at_a_millimetre_a_unit(tmp_path):
+def test_files_are_imported_side_by_side_at_a_millimeter_a_unit(tmp_path):
     paths = [box_file(tmp_path, "one", (10, 20, 5)), box_file(tmp_path, "two", (4, 6, 8), ".glb")]
     alone = [extent(model_of(open_model(path))) for path in paths]
     first, second = open_models([*paths, paths[0]])[:2]

@@ -45,7 +45,7 @@ def test_every_face_has_its_place_in_the_picture(suzanne):
     assert model.textures[0].alpha[texels[:, 1], texels[:, 0]].min() == 1
 
 
-def test_the_coat_is_mostly_white_with_black_and_grey_patches(suzanne):
+def test_the_coat_is_mostly_white_with_black_and_gray_patches(suzanne):
     _, model, _ = suzanne
     uv = model.corner_uv.reshape(-1, 3, 2).mean(axis=1)
     a, b, c = np.swapaxes(model.vertices[model.corner_vertex.reshape(-1, 3)], 0, 1)
@@ -62,8 +62,8 @@ def test_white_is_shaded_in_the_creases_only(suzanne):
     """Ambient occlusion is in the picture: white where the surface lies open, darker where it does not."""
     _, model, _ = suzanne
     middle = model.vertices[model.corner_vertex.reshape(-1, 3)].mean(axis=1)
-    colour = sample.coat((middle / sample.HEIGHT_MM).astype(np.float32))
-    white = (colour == sample.WHITE).all(axis=1)
+    color = sample.coat((middle / sample.HEIGHT_MM).astype(np.float32))
+    white = (color == sample.WHITE).all(axis=1)
     texels = np.floor(model.corner_uv.reshape(-1, 3, 2).mean(axis=1) * 256).astype(int).clip(0, 255)
     shade = model.textures[0].tone[texels[:, 1], texels[:, 0]][white] / float(sample.WHITE @ [0.2126, 0.7152, 0.0722])
     assert np.quantile(shade, 0.9) > 0.9 and (shade < 0.6).mean() > 0.03

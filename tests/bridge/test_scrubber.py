@@ -69,12 +69,12 @@ def test_new_strands_keep_the_hidden_kinds_and_show_all_layers(preview):
     assert len(bpy.data.node_groups) == 1
 
 
-def test_colours_of_features_and_back(preview):
+def test_colors_of_features_and_back(preview):
     before = [held.data.materials[0] for held in preview.objects]
-    preview.dualcolor_view.colour_by = "FEATURE"
+    preview.dualcolor_view.color_by = "FEATURE"
     assert {held.material_slots[0].material.name for held in preview.objects} == {"Strands by Feature"}
     assert [held.data.materials[0] for held in preview.objects] == before
-    preview.dualcolor_view.colour_by = "FILAMENT"
+    preview.dualcolor_view.color_by = "FILAMENT"
     assert [held.material_slots[0].material for held in preview.objects] == before
 
 
@@ -116,27 +116,27 @@ def test_new_strands_show_all_moves(preview):
     assert preview.dualcolor_view.moves == 100.0
 
 
-@pytest.mark.parametrize("colour_by", LEGENDS)
-def test_every_colour_has_a_legend_and_an_attribute(preview, colour_by):
-    preview.dualcolor_view.colour_by = colour_by
+@pytest.mark.parametrize("color_by", LEGENDS)
+def test_every_color_has_a_legend_and_an_attribute(preview, color_by):
+    preview.dualcolor_view.color_by = color_by
     for held in preview.objects:
         material = held.material_slots[0].material
         (label,) = [node for node in material.node_tree.nodes if node.type == "ATTRIBUTE"]
         assert label.attribute_name in held.data.attributes
         (ramp,) = [node for node in material.node_tree.nodes if node.type == "VALTORGB"]
-        colours = [tuple(stop.color)[:3] for stop in ramp.color_ramp.elements]
-        np.testing.assert_allclose(colours, [colour for _, colour in LEGENDS[colour_by].entries], atol=1e-6)
-    assert 2 <= len(legend_of(colour_by)) <= len(LEGENDS[colour_by].entries)
+        colors = [tuple(stop.color)[:3] for stop in ramp.color_ramp.elements]
+        np.testing.assert_allclose(colors, [color for _, color in LEGENDS[color_by].entries], atol=1e-6)
+    assert 2 <= len(legend_of(color_by)) <= len(LEGENDS[color_by].entries)
 
 
-@pytest.mark.parametrize("colour_by", ["FEATURE", "TOOL"])
-def test_each_number_has_the_colour_that_its_legend_says(preview, colour_by):
+@pytest.mark.parametrize("color_by", ["FEATURE", "TOOL"])
+def test_each_number_has_the_color_that_its_legend_says(preview, color_by):
     """The middle of a number's band in the ramp, which begins half a number before the first."""
-    preview.dualcolor_view.colour_by = colour_by
+    preview.dualcolor_view.color_by = color_by
     nodes = strands_in(preview)[0].material_slots[0].material.node_tree.nodes
     scale = next(node for node in nodes if node.type == "MAP_RANGE").inputs
     ramp = next(node for node in nodes if node.type == "VALTORGB").color_ramp
     low, high = scale["From Min"].default_value, scale["From Max"].default_value
-    for number, (_, colour) in enumerate(LEGENDS[colour_by].entries):
+    for number, (_, color) in enumerate(LEGENDS[color_by].entries):
         for value in (number - 0.4, number, number + 0.4):
-            np.testing.assert_allclose(ramp.evaluate((value - low) / (high - low))[:3], colour, atol=1e-6)
+            np.testing.assert_allclose(ramp.evaluate((value - low) / (high - low))[:3], color, atol=1e-6)

@@ -122,10 +122,10 @@ def test_window_is_as_wide_and_high_as_the_print_is_fine(registered, unit, upwar
     np.testing.assert_allclose(profile[away], np.array(wanted)[away], atol=0.01)
 
 
-def test_vertex_colours_and_plain_materials_are_proofed_too(registered):
+def test_vertex_colors_and_plain_materials_are_proofed_too(registered):
     wall, face = leaning_wall(0, 10, 10, filling([10, 10]))
-    colours = wall.data.color_attributes.new("Col", "FLOAT_COLOR", "CORNER")
-    colours.data.foreach_set("color", np.tile([0.25, 0.25, 0.25, 1.0], 4))
+    colors = wall.data.color_attributes.new("Col", "FLOAT_COLOR", "CORNER")
+    colors.data.foreach_set("color", np.tile([0.25, 0.25, 0.25, 1.0], 4))
     bpy.ops.dualcolor.soft_proof()
     table = proof_table(to_settings(wall.dualcolor), (0.25, 0.25))
     assert proof_picture(wall, face, 1.0, samples=1).mean() == pytest.approx(expected(table, 0.25, 0), abs=0.01)

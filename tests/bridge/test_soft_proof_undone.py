@@ -41,7 +41,7 @@ def dressed(kind):
     image = flat_image((0.2, 0.2, 0.2, 1))
     own, _ = add_material(box, image)
     if kind == "several":
-        add_material(box, colour=(0.5, 0.1, 0.1, 1))
+        add_material(box, color=(0.5, 0.1, 0.1, 1))
         box.data.materials.append(None)
         box.data.polygons.foreach_set("material_index", np.arange(6) % 3)
     if kind in ("of the object", "hidden on the object"):
@@ -158,6 +158,6 @@ def test_a_picture_without_uv_map_is_said_and_nothing_is_changed(registered):
     assert looks(box) == before
 
 
-def test_a_reason_is_given_where_it_is_grey(registered):
+def test_a_reason_is_given_where_it_is_gray(registered):
     with pytest.raises(RuntimeError, match="Select a mesh object with faces first"):
         bpy.ops.dualcolor.soft_proof()

@@ -15,7 +15,7 @@ from dualcolor.bridge.pictures.studio import swept  # noqa: E402
 from dualcolor.bridge.pictures.views import TURNTABLE_FRAMES, picture_steps  # noqa: E402
 from dualcolor.bridge.strands.preview import build_preview  # noqa: E402
 from dualcolor.bridge.strands.rods import rods_of  # noqa: E402
-from dualcolor.bridge.units import use_millimetres  # noqa: E402
+from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.core.errors import OutputError  # noqa: E402
 from dualcolor.core.pictures.viewing import PictureOptions  # noqa: E402
 from dualcolor.core.progress import drained  # noqa: E402
@@ -28,7 +28,7 @@ SMALL = PictureOptions(resolution=(40, 40), samples=2)
 @pytest.fixture
 def cube(scene):
     """A white block of the sample's size; its print is black and white."""
-    use_millimetres(scene)
+    use_millimeters(scene)
     made = add_box((SIDE, SIDE, LAYERS * STEP), "Cube")
     add_uvs(made)
     add_material(made, flat_image((1, 1, 1, 1)))
@@ -114,7 +114,7 @@ def test_the_painted_model_stands_in_its_place_with_its_tones(cube):
 
 
 def test_new_strands_know_their_place_in_the_world(scene):
-    use_millimetres(scene)
+    use_millimeters(scene)
     rods = rods_of(build_preview(square_print()))
     assert np.ptp(rods.points[:, 2]) == pytest.approx((LAYERS - 1) * STEP, abs=1e-3)
     area = np.pi * rods.across * rods.up

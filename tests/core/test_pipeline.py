@@ -104,7 +104,7 @@ def test_one_tool_a_layer_and_one_change_between_layers(vase):
     assert (np.diff(vase.moves.layer) >= 0).all()
 
 
-def test_outlines_are_single_spans_as_in_one_colour(vase):
+def test_outlines_are_single_spans_as_in_one_color(vase):
     assert vase.report["outline_spans"] == vase.report["layers"]
 
 
@@ -142,7 +142,7 @@ def test_travels_longer_than_the_limit_are_retracted():
 
 
 def test_the_texture_reaches_the_wall(vase):
-    """The gradient is black at the bottom and white at the top: the attenuated colour changes in the middle."""
+    """The gradient is black at the bottom and white at the top: the attenuated color changes in the middle."""
     lines = vase.outlines
     loop = np.repeat(np.arange(len(lines.layer)), np.diff(lines.start))
     back = np.array([lines.set_back[loop == k].mean() for k in range(len(lines.layer))])
@@ -154,9 +154,9 @@ def test_the_texture_reaches_the_wall(vase):
     assert np.corrcoef(lines.tone, lines.uv[:, 1])[0, 1] > 0.999
 
 
-def test_colour_attribute_and_background_give_the_tone():
-    grey = generate(cylinder(radius=6, height=1, tone=0.2), SMALL)
-    assert grey.outlines.tone == pytest.approx(0.2)
+def test_color_attribute_and_background_give_the_tone():
+    gray = generate(cylinder(radius=6, height=1, tone=0.2), SMALL)
+    assert gray.outlines.tone == pytest.approx(0.2)
     bare = generate(cylinder(radius=6, height=1), PrintSettings(background_tone=0.7, skirt_distance=2.0))
     assert bare.outlines.tone == pytest.approx(0.7)
     assert any("no texture" in warning for warning in bare.warnings)

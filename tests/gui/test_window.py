@@ -52,7 +52,7 @@ VIEW = 0, 25, 1052, 722
 @pytest.fixture
 def shot(user, tmp_path):
     folder = Path(os.environ.get("DUALCOLOR_SCREENSHOTS", tmp_path)).resolve()
-    return lambda name, box=VIEW: user.shot(folder / f"{name}.png", box, colours=48)
+    return lambda name, box=VIEW: user.shot(folder / f"{name}.png", box, colors=48)
 
 
 def generated(user: User) -> None:
@@ -80,17 +80,17 @@ def exported(user: User, path: Path) -> Path:
 
 
 def brightness(user: User, place: tuple[float, float], wanted: Callable[[float], bool]) -> float:
-    """Mean grey of a few pixels on the screen, once it is as wanted; shaders are compiled and drawn meanwhile."""
+    """Mean gray of a few pixels on the screen, once it is as wanted; shaders are compiled and drawn meanwhile."""
     x, y = map(int, place)
     end = time.monotonic() + user.patience
     while True:
         path = user.folder / "seen.png"
         user.shot(path, (x - 4, y - 4, x + 4, y + 4))
         with Image.open(path) as seen:
-            grey = float(np.asarray(seen.convert("L")).mean())
-        if wanted(grey):
-            return grey
-        assert time.monotonic() < end, f"the place on the screen is {grey:.0f}"
+            gray = float(np.asarray(seen.convert("L")).mean())
+        if wanted(gray):
+            return gray
+        assert time.monotonic() < end, f"the place on the screen is {gray:.0f}"
         time.sleep(0.5)
 
 
@@ -200,11 +200,11 @@ def test_select_shows_what_check_model_has_found(user, package, shot):
     assert user.ask("sum(edge.select for edge in bpy.context.object.data.edges)") == 42
 
 
-def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_path):
+def test_a_colored_picture_becomes_a_plate_and_a_predicted_print(package, tmp_path):
     row, column = np.mgrid[0:128, 0:128] / 127
-    colours = np.stack([0.5 + 0.5 * np.sin(6 * np.pi * column), 0.2 + 0.6 * row, 1 - column], axis=-1)
+    colors = np.stack([0.5 + 0.5 * np.sin(6 * np.pi * column), 0.2 + 0.6 * row, 1 - column], axis=-1)
     picture, render = tmp_path / "waves.png", tmp_path / "print.png"
-    Image.fromarray((255 * colours).astype(np.uint8)).save(picture)
+    Image.fromarray((255 * colors).astype(np.uint8)).save(picture)
     kept = Path(os.environ.get("DUALCOLOR_SCREENSHOTS", tmp_path)).resolve()
     user = User(BLENDER, tmp_path / "blender", patience=400.0)
     try:
@@ -217,9 +217,9 @@ def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_p
         user.choose_file(picture)
         user.until("bpy.context.object is not None")
         assert user.ask("bpy.context.scene.unit_settings.length_unit") == "MILLIMETERS"
-        user.press("dualcolor.grey_from_color")
+        user.press("dualcolor.gray_from_color")
         user.until("bpy.context.object.dualcolor.image is not None")
-        user.shot(kept / "plate.png", VIEW, colours=48)
+        user.shot(kept / "plate.png", VIEW, colors=48)
         generated(user)
         before = user.ask(EVERYTHING)
         rendering = "bpy.app.is_job_running('RENDER')"
@@ -229,7 +229,7 @@ def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_p
             user.until(rendering)
             time.sleep(5.0)
             assert user.ask(rendering) and user.ask(RUNNING) and not render.exists()  # it answers while it renders
-            user.shot(kept / "rendering.png", (0, 0, 1280, 800), colours=48)
+            user.shot(kept / "rendering.png", (0, 0, 1280, 800), colors=48)
             if stopped:
                 user.keys("Escape")
             user.until(f"not {RUNNING}")
@@ -247,6 +247,6 @@ def test_a_coloured_picture_becomes_a_plate_and_a_predicted_print(package, tmp_p
         user.keys("shift+Home")  # all of the picture
         # The studio: until the window is drawn anew, the main one is seen, or what is beside the picture.
         brightness(user, (140, 95), lambda seen: seen > 120)
-        user.shot(kept / "render.png", (40, 40, 760, 760), colours=32)
+        user.shot(kept / "render.png", (40, 40, 760, 760), colors=32)
     finally:
         user.close()

@@ -126,13 +126,13 @@ class Window:
             self._do("click", 5 if steps > 0 else 4, "sleep", 0.05)
         time.sleep(0.3)
 
-    def shot(self, path: Path, box: tuple[int, int, int, int] | None = None, colours: int = 64) -> None:
-        """Save a picture of the screen, or of the box left, top, right, bottom, with few colours."""
+    def shot(self, path: Path, box: tuple[int, int, int, int] | None = None, colors: int = 64) -> None:
+        """Save a picture of the screen, or of the box left, top, right, bottom, with few colors."""
         path.parent.mkdir(parents=True, exist_ok=True)
         left, top, right, bottom = box or (0, 0, WIDTH, HEIGHT)
         subprocess.run(
             ["import", "-window", "root", "-crop", f"{right - left}x{bottom - top}+{left}+{top}", "+repage",
-             "+dither", "-colors", str(colours), "-define", "png:compression-level=9", f"png8:{path}"],
+             "+dither", "-colors", str(colors), "-define", "png:compression-level=9", f"png8:{path}"],
             env=self._environment, check=True,
         )  # fmt: skip
 

@@ -13,7 +13,7 @@ from dualcolor import cli  # noqa: E402
 from dualcolor.bridge.analysis.orientations import orientations_of  # noqa: E402
 from dualcolor.bridge.analysis.overlays import analysis_of, overlays_of  # noqa: E402
 from dualcolor.bridge.bed import bounds_mm  # noqa: E402
-from dualcolor.bridge.units import use_millimetres  # noqa: E402
+from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.panels.analysis import (  # noqa: E402
     DUALCOLOR_PT_analysis,
     DUALCOLOR_PT_orientation,
@@ -25,7 +25,7 @@ from dualcolor.panels.analysis import (  # noqa: E402
 def cone(scene):
     """The active object: a cone that gets narrower, 8 mm high, away from the origin."""
     dualcolor.register()
-    use_millimetres(scene)
+    use_millimeters(scene)
     bpy.ops.mesh.primitive_cone_add(vertices=64, radius1=9, radius2=5, depth=8, location=(30, 20, 10))
     made = bpy.context.object
     made.dualcolor.pattern, made.dualcolor.sampling = "wave", "paper"
@@ -125,7 +125,7 @@ def test_offset_shows_slopes_only(cone):
 
 def test_turning_stands_the_object_up_where_it_was(scene):
     dualcolor.register()
-    use_millimetres(scene)
+    use_millimeters(scene)
     bpy.ops.mesh.primitive_cube_add(size=1, location=(30, 20, 5), rotation=(0.0, 0.0, 0.5))
     slab = bpy.context.object
     slab.scale = (4, 40, 30)

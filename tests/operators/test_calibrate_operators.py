@@ -11,7 +11,7 @@ bpy = pytest.importorskip("bpy")
 import dualcolor  # noqa: E402
 from dualcolor.bridge.objects.calibration_tile import is_calibration_tile  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
-from dualcolor.bridge.units import use_millimetres  # noqa: E402
+from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.core.calibration.calibrate import shipped_table  # noqa: E402
 from dualcolor.core.calibration.step_wedge import wedge_plate, wedge_settings  # noqa: E402
 from dualcolor.core.calibration.table import read_table  # noqa: E402
@@ -26,7 +26,7 @@ SHAPE = (420, 640)
 @pytest.fixture
 def registered(scene):
     dualcolor.register()
-    use_millimetres(scene)
+    use_millimeters(scene)
     yield scene
     dualcolor.unregister()
 

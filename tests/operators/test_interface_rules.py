@@ -1,4 +1,4 @@
-"""What holds for every operator, property and panel: words, undo, a reason where something is grey."""
+"""What holds for every operator, property and panel: words, undo, a reason where something is gray."""
 
 import importlib
 import inspect

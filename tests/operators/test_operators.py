@@ -11,7 +11,7 @@ from dualcolor.bridge import results  # noqa: E402
 from dualcolor.bridge.properties import report_of  # noqa: E402
 from dualcolor.bridge.strands.preview import preview_of  # noqa: E402
 from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
-from dualcolor.bridge.units import use_millimetres  # noqa: E402
+from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.panels.paint import hints  # noqa: E402
 from dualcolor.panels.results import duration, figures  # noqa: E402
 from dualcolor.panels.rows import wrapped  # noqa: E402
@@ -51,7 +51,7 @@ def test_painting_modes_have_the_menu_beside_view(registered):
 @pytest.fixture
 def block(registered):
     """The active object: a 12 mm block, 3 mm high."""
-    use_millimetres(registered)
+    use_millimeters(registered)
     bpy.ops.mesh.primitive_cube_add(size=12, location=(40, 30, 20))
     made = bpy.context.object
     made.scale.z = 0.25
@@ -102,7 +102,7 @@ def test_an_active_strand_stands_for_its_source(block):
 
 def test_strands_are_seen_in_a_view_of_the_object_alone(registered):
     bpy.ops.wm.read_homefile(use_factory_startup=True)  # with its 3D view
-    use_millimetres(bpy.context.scene)
+    use_millimeters(bpy.context.scene)
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     region = next(region for region in area.regions if region.type == "WINDOW")
@@ -125,7 +125,7 @@ def test_a_print_made_again_from_its_strands_makes_the_object_active(block):
     assert not bpy.ops.dualcolor.check_model.poll()
     with pytest.raises(RuntimeError, match="Select Cube, whose strands these are, first"):
         bpy.ops.dualcolor.check_model()
-    assert hints(block, bpy.context.object) == ["Strands are selected: select Cube for the buttons that are grey"]
+    assert hints(block, bpy.context.object) == ["Strands are selected: select Cube for the buttons that are gray"]
     bpy.ops.dualcolor.generate()
     assert bpy.context.view_layer.objects.active == block and block.select_get()
     assert bpy.ops.dualcolor.check_model.poll()

@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy")
 
 import dualcolor  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
-from dualcolor.bridge.units import use_millimetres  # noqa: E402
+from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.tests.scene import extent, model_of, volume  # noqa: E402
 
@@ -43,10 +43,10 @@ def test_the_menu_comes_and_goes():
     assert not entries() and not hasattr(bpy.types, "DUALCOLOR_FH_image")
 
 
-@pytest.mark.parametrize("millimetres", [True, False], ids=["mm", "metres"])
-def test_a_plate_is_ready_to_print(registered, picture, millimetres):
-    if millimetres:
-        use_millimetres(registered)
+@pytest.mark.parametrize("millimeters", [True, False], ids=["mm", "meters"])
+def test_a_plate_is_ready_to_print(registered, picture, millimeters):
+    if millimeters:
+        use_millimeters(registered)
     bpy.context.scene.cursor.location = (0.01, 0.02, 0.0)
     assert bpy.ops.dualcolor.add_plate(filepath=str(picture), height=8) == {"FINISHED"}
     obj = bpy.context.object
@@ -67,7 +67,7 @@ def test_a_plate_is_ready_to_print(registered, picture, millimetres):
 
 def test_texels_show_on_the_layers_in_front(registered, picture):
     """The tone that the pipeline finds on the front is that of the texel row of the layer pair."""
-    use_millimetres(registered)
+    use_millimeters(registered)
     bpy.ops.dualcolor.add_plate(filepath=str(picture), height=8)
     model = model_of(bpy.context.object)
     outlines = generate(model, to_settings(bpy.context.object.dualcolor)).outlines
@@ -81,7 +81,7 @@ def test_texels_show_on_the_layers_in_front(registered, picture):
 
 
 def test_frame_and_crop(registered, picture):
-    use_millimetres(registered)
+    use_millimeters(registered)
     frame = {"frame": 1.0, "frame_tone": 0.25}
     bpy.ops.dualcolor.add_plate(filepath=str(picture), height=8, width=6, crop=True, thickness=3, **frame)
     model = model_of(bpy.context.object)
@@ -92,7 +92,7 @@ def test_frame_and_crop(registered, picture):
 
 
 def test_a_cylinder_and_a_lamp_shade_have_a_picture_once_around(registered, picture):
-    use_millimetres(registered)
+    use_millimeters(registered)
     bpy.ops.dualcolor.add_cylinder(filepath=str(picture), diameter=10)
     cylinder = model_of(bpy.context.object)
     np.testing.assert_allclose(extent(cylinder), (10, 10, 21), atol=0.05)  # π · 10 · 2 / 3 in whole pairs
@@ -136,7 +136,7 @@ def test_objects_are_added_in_object_mode_only(registered):
 
 @pytest.mark.parametrize("kind", ["GRADIENT", "CHECKERED", "PHASE_SHIFTED", "ATTENUATED"])
 def test_cylinders_that_show_the_pattern_keep_what_makes_them(registered, kind):
-    use_millimetres(registered)
+    use_millimeters(registered)
     assert bpy.ops.dualcolor.add_figure_cylinder(kind=kind, diameter=8, height=6) == {"FINISHED"}
     obj = bpy.context.object
     settings, model = to_settings(obj.dualcolor), model_of(obj)

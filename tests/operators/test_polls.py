@@ -1,4 +1,4 @@
-"""What is grey, and the reason that is given: objects of other files, hidden ones."""
+"""What is gray, and the reason that is given: objects of other files, hidden ones."""
 
 import pytest
 
@@ -7,7 +7,7 @@ bpy = pytest.importorskip("bpy")
 from dualcolor.tests.scene import add_box, add_material, add_uvs, flat_image, fresh  # noqa: E402
 
 CHANGING = (
-    "set_up_painting", "unwrap_smart", "repair_model", "select_finding", "soft_proof", "grey_from_color",
+    "set_up_painting", "unwrap_smart", "repair_model", "select_finding", "soft_proof", "gray_from_color",
     "bake_occlusion",
 )  # fmt: skip
 

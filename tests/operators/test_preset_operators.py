@@ -10,7 +10,7 @@ bpy = pytest.importorskip("bpy")
 import dualcolor  # noqa: E402
 from dualcolor.bridge import preset_folder  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
-from dualcolor.bridge.units import use_millimetres  # noqa: E402
+from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.cli import main  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.settings.presets import KINDS, kind_settings  # noqa: E402
@@ -23,7 +23,7 @@ def block(scene, tmp_path, monkeypatch):
     """An object, and a folder of presets that is not the user's."""
     monkeypatch.setattr(preset_folder, "user_presets", lambda: tmp_path / "presets")
     dualcolor.register()
-    use_millimetres(scene)
+    use_millimeters(scene)
     yield add_box((12, 12, 3))
     dualcolor.unregister()
 

@@ -19,7 +19,7 @@ def examples(count):
     return settings(max_examples=count if default.derandomize else SEARCHED * count)
 
 
-def millimetres(low, high):
+def millimeters(low, high):
     """Eighths, which are also the heights of planes, and hundredths."""
     return st.one_of(
         st.integers(int(np.ceil(low * 8)), int(high * 8)).map(lambda eighths: eighths / 8),
@@ -30,8 +30,8 @@ def millimetres(low, high):
 @st.composite
 def boxes(draw):
     """A box on the bed or above it, upright or leaning."""
-    x, y, z = draw(millimetres(-6, 6)), draw(millimetres(-6, 6)), draw(st.sampled_from([0.0, 0.0, 0.5, 0.625, 1.0]))
-    size = [draw(millimetres(0.4, 8)), draw(millimetres(0.4, 8)), draw(millimetres(0.3, 2.5))]
+    x, y, z = draw(millimeters(-6, 6)), draw(millimeters(-6, 6)), draw(st.sampled_from([0.0, 0.0, 0.5, 0.625, 1.0]))
+    size = [draw(millimeters(0.4, 8)), draw(millimeters(0.4, 8)), draw(millimeters(0.3, 2.5))]
     made = box((x, y, z), (x + size[0], y + size[1], z + size[2]), inward=draw(st.booleans()))
     lean = draw(st.sampled_from([0.0, 0.0, 0.3, -1.0]))
     return replace(made, vertices=made.vertices + lean * np.outer(made.vertices[:, 2] - z, [1, 0, 0]))
@@ -40,11 +40,11 @@ def boxes(draw):
 @st.composite
 def lathes(draw):
     """A solid of revolution."""
-    radius = draw(st.lists(millimetres(0.3, 6), min_size=2, max_size=5))
+    radius = draw(st.lists(millimeters(0.3, 6), min_size=2, max_size=5))
     step = draw(st.sampled_from([0.25, 0.5, 0.61]))
     profile = np.column_stack([radius, np.arange(len(radius)) * step])
     sides = draw(st.sampled_from([3, 5, 24]))
-    return lathe(profile, sides, x=draw(millimetres(-4, 4)), y=draw(millimetres(-4, 4)))
+    return lathe(profile, sides, x=draw(millimeters(-4, 4)), y=draw(millimeters(-4, 4)))
 
 
 def solids():

@@ -97,10 +97,10 @@ def test_duplicate_and_zero_area_faces_change_nothing():
 @pytest.mark.parametrize(
     ("factor", "said"),
     [
-        (1e-3, "metres"),
+        (1e-3, "meters"),
         (1 / 25.4, "inches"),
-        (1e-6, "kilometres"),
-        (1e3, "micrometres"),
+        (1e-6, "kilometers"),
+        (1e3, "micrometers"),
         (1e36, "unit"),
         (np.nan, "finite"),
     ],

@@ -19,10 +19,10 @@ def block(scene):
     """The active object: a small block with a picture, the extension registered."""
     import bpy
     import dualcolor
-    from dualcolor.bridge.units import use_millimetres
+    from dualcolor.bridge.units import use_millimeters
 
     dualcolor.register()
-    use_millimetres(scene)
+    use_millimeters(scene)
     bpy.ops.mesh.primitive_cube_add(size=6)
     made = bpy.context.object
     made.scale.z = 0.2

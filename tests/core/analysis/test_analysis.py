@@ -7,11 +7,11 @@ from dualcolor.core.analysis.orientation import directions, suggested, upright
 from dualcolor.core.analysis.picture import Stroke, dots, draw
 from dualcolor.core.analysis.study import NO_SEAMS, analyse, faded_share
 from dualcolor.core.analysis.surface_curves import (
-    BIRTH_COLOUR,
-    HEAT_COLOURS,
+    BIRTH_COLOR,
+    HEAT_COLORS,
     HEAT_STOPS,
     heat_class,
-    heat_colours,
+    heat_colors,
     heat_curves,
     stretches,
     trace_curves,
@@ -44,7 +44,7 @@ def funnel():
 
 
 def plate(tones, turn=None, size=(40.0, 40.0, 4.0)):
-    """A plate whose upper side is a grid of squares of `tones` (R, C); its other sides are grey."""
+    """A plate whose upper side is a grid of squares of `tones` (R, C); its other sides are gray."""
     rows, columns = tones.shape
     x, y = np.linspace(0, size[0], columns + 1), np.linspace(0, size[1], rows + 1)
     vertices, faces, tone = [], [], []
@@ -128,9 +128,9 @@ def test_what_begins_on_nothing_is_no_birth():
     assert found.report["pattern"]["discarded_probes"] > 0
 
 
-def test_classes_and_colours_of_errors():
+def test_classes_and_colors_of_errors():
     assert heat_class(np.array([0.0, 0.049, 0.05, 1.4, 1.5, 3.0, 4.0])).tolist() == [-1, -1, 0, 1, 1, 2, 3]
-    assert heat_colours(np.array(HEAT_STOPS)) == pytest.approx(np.array(HEAT_COLOURS))
+    assert heat_colors(np.array(HEAT_STOPS)) == pytest.approx(np.array(HEAT_COLORS))
 
 
 def test_seams_are_where_tracelines_begin(funnel):
@@ -184,14 +184,14 @@ def test_flat_layers_are_not_faded(tube):
 
 @pytest.mark.parametrize(("degrees", "degraded", "gone"), [(10.0, 0, 1), (25.0, 1, 0), (35.0, 0, 0)])
 def test_share_of_contrast_on_a_slanted_plate_is_exact(degrees, degraded, gone):
-    """White above, grey elsewhere: with white share w of the area, half of all contrast is above."""
+    """White above, gray elsewhere: with white share w of the area, half of all contrast is above."""
     _, paint = contrast_of(plate(np.ones((1, 1)), about_x(degrees)))
     above, area = 1600.0, 2 * 1600.0 + 4 * 160.0
     white = above / area
     assert paint.area.sum() == pytest.approx(area)
     assert paint.mean == pytest.approx(2 * white * (1 - white) * 0.5)
     report = slope_report(paint)
-    below = (white * 0.5 * above) / (paint.mean * area)  # the grey underside is as flat
+    below = (white * 0.5 * above) / (paint.mean * area)  # the gray underside is as flat
     sides = degrees > 60
     assert report["contrast_degraded"] == pytest.approx(degraded * (0.5 + below) + sides)
     assert report["contrast_gone"] == pytest.approx(gone * (0.5 + below))
@@ -285,7 +285,7 @@ def test_pictures_hide_what_lies_behind():
 
 def test_pictures_show_seams_and_births(funnel):
     seams, traced = (picture(funnel, (0.0, 8.0), 300) for picture in (heatmap, traceline_picture))
-    for picture, colour in ((seams, HEAT_COLOURS[-1]), (traced, BIRTH_COLOUR)):
-        near = np.abs(picture[:-60].astype(float) - 255 * np.array(colour)).max(axis=2) < 20
+    for picture, color in ((seams, HEAT_COLORS[-1]), (traced, BIRTH_COLOR)):
+        near = np.abs(picture[:-60].astype(float) - 255 * np.array(color)).max(axis=2) < 20
         assert near.sum() > 5
     assert np.array_equal(seams, heatmap(funnel, (0.0, 8.0), 300))

@@ -31,10 +31,10 @@ def test_tile_leans_back_and_shows_its_tones_where_it_says(slant):
     assert face_slant_deg(result.mesh).tolist().count(pytest.approx(slant)) >= 2
     assert all("will not show" in warning for warning in result.warnings)  # on the flattest tile
     right, up = np.array([1.0, 0.0, 0.0]), np.array([0, np.sin(np.radians(slant)), np.cos(np.radians(slant))])
-    centre = result.mesh.bounds[0] + tile.centre
+    center = result.mesh.bounds[0] + tile.center
     outline = result.outlines
     z = result.slices.layers.plane[np.repeat(outline.layer, np.diff(outline.start))]
-    off = np.column_stack([outline.base, z]) - centre
+    off = np.column_stack([outline.base, z]) - center
     x, y = off @ right, off @ up
     on_face = (np.abs(y) < tile.height / 2) & (np.abs(x) < tile.width / 2) & (np.abs(off @ np.cross(right, up)) < 0.3)
     assert on_face.sum() > 300

@@ -216,8 +216,8 @@ def test_troubles_are_told_in_a_sentence(tmp_path):
         return str(problem.value)
 
     path, marks = photo_of(tmp_path), marks_in(TILTED)
-    assert "cross or run anticlockwise" in told(path, marks[[0, 2, 1, 3]])
-    assert "cross or run anticlockwise" in told(path, marks[::-1])
+    assert "cross or run counterclockwise" in told(path, marks[[0, 2, 1, 3]])
+    assert "cross or run counterclockwise" in told(path, marks[::-1])
     assert "outside" in told(path, marks + 500)
     assert "cannot be read" in told(tmp_path / "nowhere.png")
     (tmp_path / "text.png").write_text("no picture")
@@ -267,7 +267,7 @@ def test_the_command_reads_a_photograph(tmp_path, capsys):
                  *corners]) == 0  # fmt: skip
     assert read_table(given_out).reflectance[0, [0, -1]] == pytest.approx([0.2, 0.6], abs=1e-4)
     assert main(["read-photo", str(path), "--out", str(out), "--corners", *corners[::-1]]) == 1
-    assert "anticlockwise" in capsys.readouterr().err
+    assert "counterclockwise" in capsys.readouterr().err
     assert main(["read-photo", str(path), "--out", str(out), "--corners", "1,2"]) == 2
     assert main(["read-photo", str(path), "--out", str(out), "--black", "0.6", "--white", "0.2"]) == 1
     assert main(["read-photo", str(path), "--out", str(out), "--white", "0.2"]) == 1

@@ -104,7 +104,7 @@ def test_a_concave_polygon_keeps_its_area_and_every_corner():
         [10, 20],
         [0, 20],
     ]
-    comb.insert(1, [25, 0])  # lies on a straight edge, where a neighbour may meet it
+    comb.insert(1, [25, 0])  # lies on a straight edge, where a neighbor may meet it
     mesh = triangulate(model(*prism(comb)), SETTINGS)
     assert is_closed(mesh)
     assert volume(mesh) == pytest.approx(10 * (50 * 5 + 3 * 10 * 15))
@@ -148,8 +148,8 @@ def test_corners_keep_their_uv_tone_and_texture():
     corner = np.array([v for p in polygons for v in p])
     uv = vertices[corner][:, :2] / 40 + vertices[corner][:, 2:] / 100
     texture = np.arange(len(polygons)) % 3 - 1
-    grey = ToneImage(np.zeros((2, 2), np.float32), np.ones((2, 2), np.float32))
-    shape = model(vertices, polygons, uv, uv.sum(axis=1), texture, (grey, grey))
+    gray = ToneImage(np.zeros((2, 2), np.float32), np.ones((2, 2), np.float32))
+    shape = model(vertices, polygons, uv, uv.sum(axis=1), texture, (gray, gray))
     mesh = triangulate(shape, FREE)
     expected = mesh.vertices[mesh.faces]
     expected = expected[..., :2] / 40 + expected[..., 2:] / 100
@@ -197,8 +197,8 @@ def test_vertices_without_a_face_do_not_count():
 def test_uvs_that_are_not_finite_lose_the_texture():
     uv = np.zeros((24, 2))
     uv[4, 1] = np.nan
-    grey = ToneImage(np.zeros((2, 2), np.float32), np.ones((2, 2), np.float32))
-    mesh = triangulate(model(box(), BOX_QUADS, uv, None, np.zeros(6, int), (grey,)), SETTINGS)
+    gray = ToneImage(np.zeros((2, 2), np.float32), np.ones((2, 2), np.float32))
+    mesh = triangulate(model(box(), BOX_QUADS, uv, None, np.zeros(6, int), (gray,)), SETTINGS)
     assert np.isfinite(mesh.face_uv).all()
     assert 1 <= np.count_nonzero(mesh.face_texture == -1) <= 2
     assert np.isnan(mesh.face_tone).all()
@@ -242,6 +242,6 @@ def test_what_cannot_be_printed_is_said_in_one_sentence(shape, settings, words):
 
 
 def test_a_texture_needs_a_uv_map():
-    grey = ToneImage(np.zeros((2, 2), np.float32), np.ones((2, 2), np.float32))
+    gray = ToneImage(np.zeros((2, 2), np.float32), np.ones((2, 2), np.float32))
     with pytest.raises(TextureError, match="no UV map"):
-        triangulate(model(box(), BOX_QUADS, texture=[0] * 6, textures=(grey,)), SETTINGS)
+        triangulate(model(box(), BOX_QUADS, texture=[0] * 6, textures=(gray,)), SETTINGS)

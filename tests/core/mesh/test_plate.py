@@ -83,7 +83,7 @@ def test_a_bad_object_is_named():
 
 
 def test_each_object_keeps_its_own_tone():
-    """A box of dark vertex colours, a box of light ones, a textured cylinder and a bare box."""
+    """A box of dark vertex colors, a box of light ones, a textured cylinder and a bare box."""
     wrapped = named(cylinder(5, 3, x=30, textures=[picture([[0.3, 0.3], [0.3, 0.3]])]), "wrapped")
     models = [toned((0, 0, 0), (10, 10, 3), 0.1, "dark"), toned((14, 0, 0), (24, 10, 3), 0.9, "light"), wrapped]
     models.append(named(box((-20, 0, 0), (-10, 10, 3)), "bare"))
@@ -97,7 +97,7 @@ def test_each_object_keeps_its_own_tone():
     assert result.report["tool_changes"] == result.report["layers"] - 1
     assert result.report["name"] == "dark"
     about_paint = [warning for warning in result.warnings if "has no texture" in warning]
-    assert about_paint == ["bare has no texture and no colour attribute: it prints in one even tone"]
+    assert about_paint == ["bare has no texture and no color attribute: it prints in one even tone"]
 
 
 def test_pictures_are_shared_and_told_apart():

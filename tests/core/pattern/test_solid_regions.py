@@ -1,4 +1,4 @@
-"""Regions of pure black or white: found as a whole, printed in one colour, all else untouched."""
+"""Regions of pure black or white: found as a whole, printed in one color, all else untouched."""
 
 from itertools import pairwise, product
 
@@ -40,7 +40,7 @@ SIDE = 128
 
 
 def painted(**patches):
-    """A grey picture, with (low u, high u, low v, high v) of black and white patches in eighths."""
+    """A gray picture, with (low u, high u, low v, high v) of black and white patches in eighths."""
     tone = np.full((SIDE, SIDE), 0.5)
     for name, (left, right, low, high) in patches.items():
         part = slice(low * SIDE // 8, high * SIDE // 8), slice(left * SIDE // 8, right * SIDE // 8)
@@ -58,7 +58,7 @@ def found(model, settings=SETTINGS):
     return lines, tone, slant, solid_regions(lines, tone, slant, projector, settings)
 
 
-def test_a_region_is_found_with_its_area_and_colour():
+def test_a_region_is_found_with_its_area_and_color():
     """A quarter of the way around, half of the height; the filter takes up to a wavelength off at each border."""
     *_, solid = found(painted(black=(2, 4, 2, 6)))
     whole = np.pi / 2 * 10 * 8
@@ -75,7 +75,7 @@ def test_regions_are_told_apart_and_joined_across_the_seam():
     assert len(arch.area) == 1
 
 
-def test_small_regions_and_grey_are_left_alone():
+def test_small_regions_and_gray_are_left_alone():
     lines, tone, slant, solid = found(painted(black=(2, 4, 2, 6)), SETTINGS.changed({"solid_region_area": 200.0}))
     assert not len(solid.area) and (solid.region == -1).all()
     depth, set_back = modulated(lines, tone, slant, SETTINGS)
@@ -85,7 +85,7 @@ def test_small_regions_and_grey_are_left_alone():
 
 @pytest.mark.parametrize("pattern", ["wave", "wave_offset", "offset"])
 @pytest.mark.parametrize("black", [True, False])
-def test_the_other_colour_is_behind_and_nothing_waves(pattern, black):
+def test_the_other_color_is_behind_and_nothing_waves(pattern, black):
     settings = SETTINGS.changed({"pattern": pattern})
     lines, tone, slant, solid = found(painted(**{"black" if black else "white": (2, 6, 0, 8)}), settings)
     before = modulated(lines, tone, slant, settings)
@@ -141,7 +141,7 @@ BLACK_ANGLES, WHITE_ANGLES = (60, 165), (240, 300)  # of the patches below, with
 
 @pytest.fixture(scope="module")
 def two_patches():
-    """A grey cylinder, a black patch on one side, a smaller white one on the other."""
+    """A gray cylinder, a black patch on one side, a smaller white one on the other."""
     return generate(painted(black=(1, 4, 1, 7), white=(5, 7, 1, 7)), CHANGING)
 
 
@@ -154,7 +154,7 @@ def wall_strands(moves, angles, heights=(4.0, 12.0)):
     return rows & (z > heights[0]) & (z < heights[1])
 
 
-def test_solid_regions_have_one_colour_on_every_layer(two_patches):
+def test_solid_regions_have_one_color_on_every_layer(two_patches):
     moves = two_patches.moves
     for angles, tool in ((BLACK_ANGLES, 0), (WHITE_ANGLES, 1)):
         rows = wall_strands(moves, angles)
@@ -198,8 +198,8 @@ def test_a_layer_changes_its_tool_once_and_then_primes_on_the_tower(two_patches)
     assert step[rows].sum() == pytest.approx(said["other_tool_mm"], rel=0.05)
 
 
-def centre(laid, tool):
-    """(4,) mm, the middle of one tool's strands above the priming lines, and their length in metres."""
+def center(laid, tool):
+    """(4,) mm, the middle of one tool's strands above the priming lines, and their length in meters."""
     inside = np.ones(len(laid.points) - 1, dtype=bool)
     inside[laid.start[1:-1] - 1] = False
     lines = inside & np.repeat(laid.tool == tool, np.diff(laid.start))[1:] & (laid.points[1:, 2] > 1.0)
@@ -222,7 +222,7 @@ def check_files(result, folder):
     laid = strands(result.moves)
     for back in (strands(read.moves), strands(moves_of_x3g(data, "p").moves)):
         for tool in (0, 1):
-            was, now = (centre(table, tool) for table in (laid, back))
+            was, now = (center(table, tool) for table in (laid, back))
             assert np.abs(was - now).max() < 0.05
     assert convert(folder / "p.gcode") == []
 
@@ -231,8 +231,8 @@ def test_files_of_layers_with_two_tools(two_patches, tmp_path):
     check_files(two_patches, tmp_path)
 
 
-def test_a_solid_two_coloured_object_costs_one_tool_change(tmp_path):
-    """All of it is one of the two colours, so every layer is printed by both tools, the first one too."""
+def test_a_solid_two_colored_object_costs_one_tool_change(tmp_path):
+    """All of it is one of the two colors, so every layer is printed by both tools, the first one too."""
     halves = painted(black=(0, 4, 0, 8), white=(4, 8, 0, 8))
     settings = CHANGING.changed({"standby_temperature_delta": 20.0, "ooze_shield": True, "raft_layers": 2})
     for chosen, more in ((CHANGING, 1), (settings, 1)):
@@ -245,7 +245,7 @@ def test_a_solid_two_coloured_object_costs_one_tool_change(tmp_path):
 
 
 def test_spots_patches_change_the_tool(data, tmp_path):
-    """Its patches are a dark grey of tone 0.14 on a light one of 0.89."""
+    """Its patches are a dark gray of tone 0.14 on a light one of 0.89."""
     model = obj_model(data / "meshes/spot/spot.obj", 30.0, [image_file(data / "meshes/spot/spot_texture.png")])
     result = generate(model, CHANGING.changed({"solid_region_tolerance": 0.15, "solid_region_area": 10}))
     said = result.report["solid_regions"]

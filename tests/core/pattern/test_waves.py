@@ -21,7 +21,7 @@ def test_sign_flips_after_every_pair_of_layers():
 
 @pytest.mark.parametrize("pattern", ["wave", "wave_offset", "offset"])
 @pytest.mark.parametrize("tone", [0.0, 1.0])
-def test_the_attenuated_colour_stands_behind_the_other(pattern, tone):
+def test_the_attenuated_color_stands_behind_the_other(pattern, tone):
     chosen = PrintSettings(pattern=pattern, offset_max=0.3, max_unsupported=0.7)
     _, _, outline = printed(cylinder(radius=12, height=4), tone, chosen)
     loop = np.repeat(np.arange(len(outline.layer)), np.diff(outline.start))
@@ -32,7 +32,7 @@ def test_the_attenuated_colour_stands_behind_the_other(pattern, tone):
     assert (white - black if tone == 1.0 else black - white) == pytest.approx(depth + back, abs=0.01)
 
 
-def test_at_half_both_colours_have_their_full_depth():
+def test_at_half_both_colors_have_their_full_depth():
     _, _, outline = printed(cylinder(radius=12, height=4), 0.5, WAVE_OFFSET)
     assert outline.depth == pytest.approx(0.75, abs=1e-9)
     assert outline.set_back == pytest.approx(0.0)

@@ -1,4 +1,4 @@
-"""The paper's Figure 3 as objects: colours of layers, shifted phases, attenuated waves."""
+"""The paper's Figure 3 as objects: colors of layers, shifted phases, attenuated waves."""
 
 import numpy as np
 import pytest

@@ -33,7 +33,7 @@ def test_walls_in_the_air_are_told_with_their_length_and_place(raft, low):
     assert found["longest"]["length_mm"] == pytest.approx(longest, abs=2 * REACH)
     assert found["layers"] == 1 and found["z_from"] == found["z_to"] == pytest.approx(low)
     assert found["longest"]["z"] == found["z_from"]
-    # The bar's middle is the bed's: the foot ends half a millimetre left of it.
+    # The bar's middle is the bed's: the foot ends half a millimeter left of it.
     assert found["longest"]["x"] > -0.5 - REACH
     (warning,) = told(job)
     assert "support_enable" in warning and f"z {low:.2f} mm" in warning

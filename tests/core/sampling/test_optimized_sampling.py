@@ -1,4 +1,4 @@
-"""The optimised sampling: bounds on any solid, plans where the best is known, and fewer seams than the paper's."""
+"""The optimized sampling: bounds on any solid, plans where the best is known, and fewer seams than the paper's."""
 
 from dataclasses import replace
 from unittest.mock import patch
@@ -232,7 +232,7 @@ def crossing(outlines):
 
 @pytest.mark.parametrize(("name", "height"), CORPUS.items())
 def test_spacing_is_bounded_and_no_waved_outline_crosses_itself_or_another(data, name, height):
-    """With both samplings, where both colours stand alike and where one is set back by all that it can be."""
+    """With both samplings, where both colors stand alike and where one is set back by all that it can be."""
     from dualcolor.tests.real_models import obj_model
 
     lines = lines_of(obj_model(data / "meshes" / name, height))
@@ -248,7 +248,7 @@ def test_spacing_is_bounded_and_no_waved_outline_crosses_itself_or_another(data,
 @pytest.mark.parametrize("name", ["cat-low-resolution.obj", "nc/kitten.obj", "spot/spot.obj"])
 @pytest.mark.parametrize("black", [0.0, 1.0, 0.5])
 def test_no_line_that_is_set_back_crosses_itself_or_another(data, name, black):
-    """The default pattern: all of a colour set back, or half of it in pieces of 1.4 mm."""
+    """The default pattern: all of a color set back, or half of it in pieces of 1.4 mm."""
     from dualcolor.tests.real_models import obj_model
 
     settings = PrintSettings(max_unsupported=1.0)

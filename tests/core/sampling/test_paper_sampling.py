@@ -1,4 +1,4 @@
-"""The pattern against the paper: contours, neighbours, sampling, seam error."""
+"""The pattern against the paper: contours, neighbors, sampling, seam error."""
 
 import numpy as np
 import pytest
@@ -73,7 +73,7 @@ def test_places_are_found_again_on_every_loop():
     assert ((share >= 0) & (share <= 1)).all()
 
 
-# Neighbour search
+# Neighbor search
 
 
 @given(st.integers(0, 2**32 - 1))

@@ -1,4 +1,4 @@
-"""The last polish of the optimised sampling: what counts as seen, what it compares, that it leaves fewer seams."""
+"""The last polish of the optimized sampling: what counts as seen, what it compares, that it leaves fewer seams."""
 
 import numpy as np
 import pytest

@@ -104,12 +104,12 @@ def test_seams_leave_what_is_painted():
 
 def test_a_picture_that_only_says_where_seams_are_seen_is_not_printed():
     shown = picture(np.zeros((8, 8)))
-    grey = lathe(CONE, textures=[picture(np.full((8, 8), 0.7))])
-    model = replace(grey, textures=(*grey.textures, shown), polygon_visibility=np.ones(len(grey.polygon_texture), int))
+    gray = lathe(CONE, textures=[picture(np.full((8, 8), 0.7))])
+    model = replace(gray, textures=(*gray.textures, shown), polygon_visibility=np.ones(len(gray.polygon_texture), int))
     assert generate(model, WAVES).outlines.tone[1000:] == pytest.approx(0.7, abs=0.02)
 
 
-def test_seams_go_where_the_picture_is_of_one_colour():
+def test_seams_go_where_the_picture_is_of_one_color():
     tone = np.where(np.arange(96) < 48, 0.5, 1.0)[None].repeat(8, axis=0)
     model = lathe(CONE, textures=[picture(tone)])
     plain = generate(model, WAVES.changed({"hide_seams": True, "sampling": "paper"})).report["pattern"]

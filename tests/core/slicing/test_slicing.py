@@ -196,9 +196,9 @@ def test_united_layers_keep_the_uvs():
     result = cut(model)
     assert result.united_layers
     lines = result.outlines
-    centre = np.where(lines.face < len(faces) // 2, 0.0, 7.0)
+    center = np.where(lines.face < len(faces) // 2, 0.0, 7.0)
     for end, point in enumerate((lines.points, lines.ends)):
-        angle = np.arctan2(point[:, 1], point[:, 0] - centre) / (2 * np.pi)
+        angle = np.arctan2(point[:, 1], point[:, 0] - center) / (2 * np.pi)
         off = np.abs((angle - lines.carried[:, end, 0] + 0.5) % 1 - 0.5)
         assert off.max() < 1e-3
 

@@ -1,4 +1,4 @@
-"""Time and plastic by feature, cost, progress, and the same object in a single colour."""
+"""Time and plastic by feature, cost, progress, and the same object in a single color."""
 
 import numpy as np
 import pytest
@@ -93,7 +93,7 @@ def test_report_of_a_job_compares_with_a_single_color(can):
     assert time["ratio"] == pytest.approx(time["total"] / time["single_color"])
     wall = time["features"]["outer_wall"]
     alone = time["single_color"] - sum(time["features"].get(name, 0) for name in ("inner_wall", "skin", "infill"))
-    assert alone < wall  # what is left of a single colour is its wall and its travels
+    assert alone < wall  # what is left of a single color is its wall and its travels
 
 
 def test_fill_of_the_single_color_is_that_of_the_dual_color(can):
@@ -106,7 +106,7 @@ def test_fill_of_the_single_color_is_that_of_the_dual_color(can):
 
 
 def compared(model, settings):
-    """Seconds in one colour, as the report tells them and as all layers take, and how many layers the report used."""
+    """Seconds in one color, as the report tells them and as all layers take, and how many layers the report used."""
     with Stages(None) as stages:
         wall = drained(wall_stages(model, settings, stages))
         paths = drained(path_stages(wall, settings, stages))

@@ -159,7 +159,7 @@ def test_a_bridge_sinks_between_its_supports():
     eased = np.clip(free / 0.2, 0, 1)
     np.testing.assert_allclose(found.roundness[line], eased**2 * (3 - 2 * eased), atol=1e-3)
     assert found.roundness[line][len(x) // 2] == 1 and found.roundness[line][0] == 0
-    # Cube root of 3 · 1040 · 9.81 · 1 s · (2 · 4.8 mm)⁴ / (128 · 10⁴ Pa·s), in metres, with the limit's effect on top.
+    # Cube root of 3 · 1040 · 9.81 · 1 s · (2 · 4.8 mm)⁴ / (128 · 10⁴ Pa·s), in meters, with the limit's effect on top.
     unlimited = (3 * 1040 * 9.81 * 0.0096**4 / 128e4) ** (1 / 3) * 1e3
     assert 0.3 - z.min() == pytest.approx(2.0 * np.tanh(unlimited / 2.0), rel=1e-6)
 

@@ -24,7 +24,7 @@ from dualcolor.tests.solids import box, joined, lathe
 
 SETTINGS = PrintSettings(pattern="wave", support_enable=True, skirt_distance=2.0)
 WIDTH = SETTINGS.extrusion_width
-# From the surface to the nearest centre line of a support: half a wave, the air, half a line.
+# From the surface to the nearest center line of a support: half a wave, the air, half a line.
 CLEAR = SETTINGS.wave_depth_max / 2 + SETTINGS.support_xy_distance + WIDTH / 2
 TABLE = joined(box((-3, -3, 0), (3, 3, 10)), box((-12, -8, 10), (12, 8, 14)))
 TABLE_TOP = 40  # the first layer of its plate
@@ -142,7 +142,7 @@ SHELF = joined(box((-10, -6, 0), (10, 6, 4)), box((-10, -6, 4), (-6, 6, 12)), bo
 
 
 def test_the_object_in_the_way_ends_the_support_or_carries_it():
-    """A roof over a step, which ends at x = 7 once the whole is centred, and over the bed beside it."""
+    """A roof over a step, which ends at x = 7 once the whole is centered, and over the bed beside it."""
     _, everywhere = held(SHELF)
     _, from_bed = held(SHELF, SETTINGS.changed({"support_from": "bed"}))
     on_step, beside = shapely.box(-7, -4, 6, 4), shapely.box(9, -4, 12, 4)

@@ -8,22 +8,22 @@ from PIL import Image, ImageOps
 
 
 def stored(path, orientation, **how):
-    """A picture of 5 × 3 different greys whose file tells an orientation; as stored, row 0 at the top."""
-    grey = np.arange(15, dtype=np.uint8).reshape(3, 5) * 16
-    image = Image.fromarray(grey)
+    """A picture of 5 × 3 different grays whose file tells an orientation; as stored, row 0 at the top."""
+    gray = np.arange(15, dtype=np.uint8).reshape(3, 5) * 16
+    image = Image.fromarray(gray)
     tags = image.getexif()
     tags[0x0112] = orientation
     image.save(path, exif=tags, **how)
-    return grey
+    return gray
 
 
 @pytest.mark.parametrize("orientation", range(1, 9))
 def test_pictures_are_turned_as_pillow_turns_them(tmp_path, orientation):
     path = tmp_path / "photo.png"
-    grey = stored(path, orientation)[::-1].astype(np.float32)
+    gray = stored(path, orientation)[::-1].astype(np.float32)
     told = orientation_of_file(path, (5, 3))
     assert told == orientation
-    turned = upright(ToneImage(grey, grey + 1), told)
+    turned = upright(ToneImage(gray, gray + 1), told)
     with Image.open(path) as image:
         expected = np.asarray(ImageOps.exif_transpose(image))[::-1]
     np.testing.assert_array_equal(turned.tone, expected)
@@ -46,9 +46,9 @@ def test_what_is_turned_already_or_tells_nothing_stays(tmp_path):
 def test_a_plate_shows_a_photograph_upright(registered, tmp_path):
     bpy = pytest.importorskip("bpy")
     path = tmp_path / "photo.png"
-    grey = np.zeros((40, 60), dtype=np.uint8)
-    grey[:, :20] = 255  # the left of what is stored is the top of what was taken
-    image = Image.fromarray(grey)
+    gray = np.zeros((40, 60), dtype=np.uint8)
+    gray[:, :20] = 255  # the left of what is stored is the top of what was taken
+    image = Image.fromarray(gray)
     tags = image.getexif()
     tags[0x0112] = 6
     image.save(path, exif=tags)

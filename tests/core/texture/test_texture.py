@@ -104,7 +104,7 @@ def test_a_linear_ramp_is_reproduced(footprint, size):
     tone = 0.1 + 0.5 * u[None, :] + 0.3 * v[:, None]
     mesh = plates((0, 0, 1, 1))
     face, uv = points_on(mesh, [0, 1])
-    uv = 0.25 + 0.5 * uv  # away from the border, which has no neighbours
+    uv = 0.25 + 0.5 * uv  # away from the border, which has no neighbors
     found = look_up(mesh, [image(tone)], face, uv, footprint)
     assert found == pytest.approx(0.1 + 0.5 * uv[:, 0] + 0.3 * uv[:, 1], abs=2e-6)
 
@@ -119,7 +119,7 @@ def test_alpha_blends_towards_the_background(kind):
             assert found == pytest.approx(expected, abs=1e-6)
 
 
-def test_the_colour_behind_alpha_zero_has_no_say():
+def test_the_color_behind_alpha_zero_has_no_say():
     """Half of each texel pair is clear: the average is half paint, half background, whatever the clear ones hold."""
     alpha = np.broadcast_to(np.arange(64) % 2, (64, 64))
     mesh = plates((0, 0, 1, 1))
@@ -131,7 +131,7 @@ def test_the_colour_behind_alpha_zero_has_no_say():
 
 
 def test_the_footprint_is_measured_on_the_object():
-    """A checkerboard of single texels, 0.5 mm each: sharp for a footprint of a texel, grey from two texels on."""
+    """A checkerboard of single texels, 0.5 mm each: sharp for a footprint of a texel, gray from two texels on."""
     board = np.indices((80, 80)).sum(axis=0) % 2
     mesh = plates((0, 0, 1, 1))
     rows, columns = np.indices((80, 80)).reshape(2, -1)
@@ -239,4 +239,4 @@ def test_a_real_atlas_does_not_let_its_gutter_in(data):
     at = np.einsum("nk,nkd->nd", rng.dirichlet([1, 1, 1], 20000), uv[face])
     for footprint in (0.5, 2.0, 20.0):
         found = look_up(mesh, [image(charts)], face, at, footprint)
-        assert np.count_nonzero(found < 1 - 1e-6) < 20  # slivers at the tips of charts that cover no texel's centre
+        assert np.count_nonzero(found < 1 - 1e-6) < 20  # slivers at the tips of charts that cover no texel's center

@@ -1,9 +1,9 @@
-"""Colours become linear-light tone; alpha stays apart."""
+"""Colors become linear-light tone; alpha stays apart."""
 
 import numpy as np
 import pytest
 from dualcolor.core.errors import TextureError
-from dualcolor.core.texture.decode import colour_tone, linear_from_srgb, tone_image
+from dualcolor.core.texture.decode import color_tone, linear_from_srgb, tone_image
 
 
 def picture(rgba, shape=(3, 5)):
@@ -22,7 +22,7 @@ def test_the_srgb_curve():
 
 
 @pytest.mark.parametrize("value", [0.0, 10 / 255, 0.5, 128 / 255, 200 / 255, 0.73, 1.0])
-def test_grey_is_decoded_for_bytes_and_floats_alike(value):
+def test_gray_is_decoded_for_bytes_and_floats_alike(value):
     image = tone_image(picture([value, value, value, 1]), True)
     assert image.tone == pytest.approx(reference(value), abs=2e-6)
     assert image.tone.dtype == np.float32 and image.tone.shape == (3, 5) and (image.alpha == 1).all()
@@ -44,13 +44,13 @@ def test_linear_pixels_are_not_decoded_and_alpha_never_is():
 @pytest.mark.parametrize(("channel", "weight"), [(0, 0.2126), (1, 0.7152), (2, 0.0722)])
 def test_luminance_is_taken_of_linear_light(channel, weight):
     for level in (128 / 255, 0.3):
-        colour = [0.0, 0.0, 0.0, 1.0]
-        colour[channel] = level
-        assert tone_image(picture(colour), True).tone == pytest.approx(weight * reference(level), abs=1e-6)
-        assert tone_image(picture(colour), False).tone == pytest.approx(weight * level, abs=1e-6)
+        color = [0.0, 0.0, 0.0, 1.0]
+        color[channel] = level
+        assert tone_image(picture(color), True).tone == pytest.approx(weight * reference(level), abs=1e-6)
+        assert tone_image(picture(color), False).tone == pytest.approx(weight * level, abs=1e-6)
 
 
-def test_premultiplied_colours_are_divided_by_alpha():
+def test_premultiplied_colors_are_divided_by_alpha():
     image = tone_image(picture([0.2, 0.2, 0.2, 0.25]), False, premultiplied=True)
     assert image.tone == pytest.approx(0.8) and image.alpha == pytest.approx(0.25)
     hidden = tone_image(picture([0, 0, 0, 0]), False, premultiplied=True)
@@ -87,8 +87,8 @@ def test_a_picture_without_pixels_is_refused():
         tone_image(np.zeros((0, 7, 4), np.float32), True)
 
 
-def test_colours_blend_over_the_background():
-    colours = [
+def test_colors_blend_over_the_background():
+    colors = [
         [1, 1, 1, 1],
         [1, 1, 1, 0],
         [0, 0, 0, 0.25],
@@ -97,6 +97,6 @@ def test_colours_blend_over_the_background():
         [0, 0, 0, np.inf],
         [9, 9, 9, 1],
     ]
-    tone = colour_tone(np.array(colours), 0.4)
+    tone = color_tone(np.array(colors), 0.4)
     assert tone == pytest.approx([1, 0.4, 0.3, 0.7152, 0.4, 0.4, 1])
-    assert colour_tone(np.zeros((0, 4)), 0.4).shape == (0,)
+    assert color_tone(np.zeros((0, 4)), 0.4).shape == (0,)

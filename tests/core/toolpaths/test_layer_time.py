@@ -89,7 +89,7 @@ def test_a_layer_does_not_depend_on_those_beside_it():
     assert (alone[0] == alone[1]).all() and (alone[0] == alone[2]).all()
 
 
-def test_a_print_of_one_colour_is_slowed_too(monkeypatch):
+def test_a_print_of_one_color_is_slowed_too(monkeypatch):
     """Its time is told by some layers, within a hundredth."""
     settings, tall = SETTINGS.changed({"min_print_speed": 10.0}), cylinder(3, 20)
     told = generate(tall, settings).report["time_s"]["single_color"]

@@ -66,7 +66,7 @@ def test_walls_over_air_get_as_much_as_bridges(speed):
             assert thin.speed[thinner].min() > SLOW
 
 
-def test_the_same_object_in_one_colour_is_slow_over_air_too():
+def test_the_same_object_in_one_color_is_slow_over_air_too():
     def times(overhang_speed):
         report = generate(BEAM, replace(PLAN, overhang_speed=overhang_speed)).report["time_s"]
         return report["single_color"], report["total"]

@@ -1,4 +1,4 @@
-"""The raft: below the object, in one colour, covering what it holds; the object above it unchanged."""
+"""The raft: below the object, in one color, covering what it holds; the object above it unchanged."""
 
 import numpy as np
 import pytest
@@ -82,7 +82,7 @@ def test_report_file_and_dump_count_layers_alike(tmp_path):
     lines = (tmp_path / "can.gcode").read_text().splitlines()
     assert [line for line in lines if line.startswith("; layer ")] == [f"; layer {layer}" for layer in range(8 + 3)]
     changes = [place for place, line in enumerate(lines) if line.startswith("M135")]
-    begin = lines.index("; layer 3")  # the object's first layer, in the colour of the raft
+    begin = lines.index("; layer 3")  # the object's first layer, in the color of the raft
     assert len([place for place in changes if place > lines.index("; layer 0")]) == 7
     assert min(place for place in changes if place > lines.index("; layer 0")) > begin
     dump(done, tmp_path / "can.npz")

@@ -41,7 +41,7 @@ def test_valleys_of_a_wave(phase, turn):
     loop = wave(9.6, waves, 0.5, phase=phase)[::turn]
     found = np.flatnonzero(valleys(loop, np.array([0, len(loop)]), 0.75))
     radius = np.hypot(*loop[found].T)
-    assert waves <= len(found) <= 2 * waves  # two neighbours may be as deep
+    assert waves <= len(found) <= 2 * waves  # two neighbors may be as deep
     # into the material: inwards for a body, outwards for a hole
     assert radius == pytest.approx(9.6 - turn * 0.25, abs=0.01)
 

@@ -35,7 +35,7 @@ def test_brim_loops_are_a_line_apart_from_the_outside_in():
     assert not len(brim_paths(plate, SETTINGS).layer)
 
 
-def test_brims_of_neighbours_grow_together():
+def test_brims_of_neighbors_grow_together():
     settings = SETTINGS.changed({"brim_width": 4.0})
     pair = shapely.MultiPolygon([shapely.box(-10, 0, -2, 8), shapely.box(2, 0, 10, 8)])
     rings = [shapely.LinearRing(loop) for loop in loops_of(brim_paths(pair, settings), Feature.BRIM)]
