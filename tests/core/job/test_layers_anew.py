@@ -94,6 +94,27 @@ def test_only_a_few_layers_are_made_anew(made):
     assert result.moves.position.flags.f_contiguous  # axis by axis, as the later stages read it
 
 
+def test_a_layer_of_the_same_colour_begins_where_the_fresh_one_below_it_ends():
+    settings = PrintSettings().changed({"mostly_white_below": 99, "z_hop": 0.4, "slowdown_below_layer_time": 0.0})
+    cache, tone = StageCache(), PICTURE.tone.copy()
+    tone[19] = 0.2
+    image = replace(PICTURE, tone=tone)
+    former, kept = (generate(bottle(painted), settings, cache=cache) for painted in (PICTURE, image))
+    assert layers_apart(former, kept) == [14, 15]
+    assert layers_apart(kept, generate(bottle(image), settings)) == []
+
+
+def layers_apart(one, other):
+    """The layers on which the moves of two prints differ."""
+
+    def rows(moves, layer):
+        here = slice(*np.searchsorted(moves.layer, (layer, layer + 1)))
+        return np.column_stack([moves.position[here], moves.filament[here], moves.speed[here], moves.tool[here]])
+
+    count = len(one.slices.layers)
+    return [layer for layer in range(count) if not np.array_equal(rows(one.moves, layer), rows(other.moves, layer))]
+
+
 def test_objects_that_share_a_picture(made):
     settings, cache, tone = PrintSettings(), StageCache(), PICTURE.tone.copy()
     tone[20:24, 3:8] = 0.2
