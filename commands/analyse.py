@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +13,16 @@ from ..core.errors import OutputError
 from ..core.files import OutputFiles, write_file
 from ..core.pictures.viewing import TURNTABLE, VIEWS, view_files
 from ..core.settings import PrintSettings
-from .arguments import add_settings, angle, chosen_outputs, chosen_settings, path_ending_in, positive, whole_number
+from .arguments import (
+    add_settings,
+    add_stand,
+    angle,
+    chosen_outputs,
+    chosen_settings,
+    path_ending_in,
+    rotation,
+    whole_number,
+)
 from .pictures import views
 from .terminal import Progress, load_blender
 
@@ -24,6 +34,7 @@ if TYPE_CHECKING:
 NAME = "analyse"
 HELP = "show seams, tracelines and slopes of the pattern, and which way up is best"
 PICTURES = ("heatmap", "tracelines", "slopes")
+_UPRIGHT = 1e-6  # by which the cosine of a direction that counts as upright may be less than 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,10 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         "file (default: the program's own sample)")  # fmt: skip
     parser.add_argument("--object", default="", metavar="NAME", help="object to analyse (default: all meshes of an "
                         "imported file as one, the active mesh of a .blend)")  # fmt: skip
-    parser.add_argument("--texture", type=Path, metavar="IMAGE", help="picture to print instead of the model's own")
-    parser.add_argument("--up", choices=("y", "z"), default="", help="axis of the file that points up")
-    parser.add_argument("--height-mm", type=positive, metavar="H", help="scale the file to this height")
-    parser.add_argument("--unwrap", choices=("smart", "xatlas"), help="make UVs if the mesh has none")
+    add_stand(parser)
     add_settings(parser)
     outputs = parser.add_argument_group("outputs")
     outputs.add_argument("--report", type=Path, metavar="F.json", help="all figures")
@@ -92,11 +100,11 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
             progress.show(number / len(paths), f"drawing, {name}")
             azimuth, elevation = VIEWS[view]
             write_file(files.staged(path), _png(draw[name](found, (azimuth + args.azimuth, elevation), args.pixels)))
-    return summary(found)
+    return [*summary(found), *_orientations(found, args)]
 
 
 def summary(found: Analysis) -> list[str]:
-    """Seams, tracelines, slopes and the best orientations of an analysis, a line each."""
+    """Seams, tracelines, slopes and warnings of an analysis, a line each."""
     report = found.report
     lines = [f"{report['name']}: {report['layers']} layers"]
     if (pattern := report["pattern"]) and (traced := report["tracelines"]):
@@ -118,13 +126,35 @@ def summary(found: Analysis) -> list[str]:
         f"painted contrast on slopes from 20° to 30°: {slopes['contrast_degraded']:.1%}, flatter: "
         f"{slopes['contrast_gone']:.1%}",
     ]
-    for number, one in enumerate(report["orientations"][:3], start=1):
-        up = ", ".join(f"{part:.2f}" for part in one["up"])
-        lines.append(
-            f"orientation {number}: up ({up}), {one['contrast']:.0%} of the contrast shown, "
-            f"{one['support_mm2']:.0f} mm² to support, {one['height_mm']:.0f} mm high"
-        )
     return [*lines, *(f"warning: {warning}" for warning in found.warnings)]
+
+
+def _orientations(found: Analysis, args: argparse.Namespace) -> list[str]:
+    """The best ways up, a line each, with the options that turn the model so."""
+    lines = []
+    for number, one in enumerate(found.orientations[:3], start=1):
+        turning = _turning(one.up, args)
+        if turning and args.height_mm is not None:
+            turning.append(f"--height-mm {one.height_mm:.4g}")
+        lines.append(
+            f"orientation {number}: {one.contrast:.0%} of the contrast shown, {one.support_mm2:.0f} mm² to support, "
+            f"{one.height_mm:.0f} mm high: {' '.join(turning) or 'as it stands'}"
+        )
+    return lines
+
+
+def _turning(up: tuple[float, float, float], args: argparse.Namespace) -> list[str]:
+    """Options that turn the model until a direction of the analysed one points up; none if it does so already."""
+    from mathutils import Matrix
+
+    from ..bridge.input.model_file import rotation as matrix
+    from ..core.analysis.orientation import upright
+
+    if up[2] > 1 - _UPRIGHT:
+        return []
+    turned = (Matrix(upright(up).tolist()).to_4x4() @ matrix(rotation(args))).to_euler("XYZ")
+    degrees = {axis: round(math.degrees(radians), 1) for axis, radians in zip("xyz", turned, strict=True)}
+    return [f"--rotate-{axis} {turn:g}" for axis, turn in degrees.items() if turn]
 
 
 def _analysed(args: argparse.Namespace, settings: PrintSettings, progress: Progress) -> Analysis:
@@ -147,7 +177,7 @@ def _opened(args: argparse.Namespace) -> bpy.types.Object:
 
     if args.model is None:
         return make_sample()
-    obj = open_model(args.model, args.object, args.up, args.height_mm)
+    obj = open_model(args.model, args.object, args.up, args.height_mm, scale=args.scale, rotate_deg=rotation(args))
     if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
         unwrap(obj, args.unwrap)
     return obj

@@ -22,6 +22,27 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
                         "repeatable; docs/settings.md lists them")  # fmt: skip
 
 
+def add_stand(parser: argparse.ArgumentParser) -> None:
+    """Let the user say how the models stand, how large they are, and what is painted on them."""
+    parser.add_argument("--texture", type=Path, metavar="IMAGE", help="picture to print instead of the model's own")
+    parser.add_argument("--unwrap", choices=("smart", "xatlas"), help="make UVs if the mesh has none")
+    parser.add_argument("--up", choices=("y", "z"), default="", help="axis of the file that points up (default: y for "
+                        ".obj, .glb and .gltf, z for .stl, .ply and .blend)")  # fmt: skip
+    for axis, what in (("x", "X axis, which points right"), ("y", "Y axis, which points back"), ("z", "vertical axis")):
+        parser.add_argument(f"--rotate-{axis}", type=angle, default=0.0, metavar="DEG", help="turn the upright model "
+                            f"about the {what}; first X, then Y, then Z")  # fmt: skip
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--height-mm", type=positive, metavar="H", help="scale each file to this height (default: the "
+                      "size in the file, one unit of an imported file being 1 mm)")  # fmt: skip
+    size.add_argument("--scale", type=positive, default=1.0, metavar="F", help="scale each file by this factor: 25.4 "
+                      "for inches, 1000 for meters")  # fmt: skip
+
+
+def rotation(args: argparse.Namespace) -> tuple[float, float, float]:
+    """The angles of `add_stand`, degrees."""
+    return args.rotate_x, args.rotate_y, args.rotate_z
+
+
 def chosen_settings(args: argparse.Namespace) -> PrintSettings:
     """Defaults, changed by presets, then by a file, then by single assignments.
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..core.files import OutputFiles
 from ..core.model import SupportMark
-from .arguments import add_settings, chosen_settings, positive
+from .arguments import add_settings, add_stand, chosen_settings, rotation
 from .pictures import picture_options
 from .produce import NOTHING, add_outputs, named_outputs, produce
 from .terminal import load_blender, summary
@@ -24,12 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         "(default: all meshes of an imported file as one, the active mesh of a .blend)")  # fmt: skip
     parser.add_argument("--arrange", action="store_true", help="put several objects side by side; else they keep their "
                         "places")  # fmt: skip
-    parser.add_argument("--texture", type=Path, metavar="IMAGE", help="picture to print instead of the model's own")
-    parser.add_argument("--up", choices=("y", "z"), default="", help="axis of the file that points up (default: y for "
-                        ".obj, .glb and .gltf, z for .stl, .ply and .blend)")  # fmt: skip
-    parser.add_argument("--height-mm", type=positive, metavar="H", help="scale each file to this height (default: the "
-                        "size in the file, one unit of an imported file being 1 mm)")  # fmt: skip
-    parser.add_argument("--unwrap", choices=("smart", "xatlas"), help="make UVs if the mesh has none")
+    add_stand(parser)
     for mark, what in (("enforcer", "there are supports"), ("blocker", "there are none")):
         parser.add_argument(f"--support-{mark}", action="append", default=[], metavar="FILE", help="model file, or "
                             f"object of a .blend, in whose inside {what}, repeatable")  # fmt: skip
@@ -63,12 +58,16 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     from ..bridge.quiet import quiet_stdout
 
     with quiet_stdout():
-        obj, *others = objects = open_models(args.model, args.object, args.up, args.height_mm)
+        obj, *others = objects = open_models(
+            args.model, args.object, args.up, args.height_mm, scale=args.scale, rotate_deg=rotation(args)
+        )
         for each in objects if args.unwrap else ():
             if each.type == "MESH" and not each.data.uv_layers:
                 unwrap(each, args.unwrap)
         named = {SupportMark.ENFORCER: args.support_enforcer, SupportMark.BLOCKER: args.support_blocker}
-        markers = [(open_marker(name, obj, args.up), mark) for mark, names in named.items() for name in names]
+        markers = [
+            (open_marker(name, obj, args.up, rotation(args)), mark) for mark, names in named.items() for name in names
+        ]
         image = load_image(args.texture) if args.texture else None
     lines = summary(produce(obj, image, settings, paths, files, picture_options(args), others, markers))
     return lines if paths else [*lines, NOTHING]

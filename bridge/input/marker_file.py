@@ -9,16 +9,17 @@ from mathutils import Matrix
 
 from ...core.errors import PrintError
 from ..units import mm_per_unit
-from .model_file import SCALE_KEY, baked, check_file, import_objects, printable, turn_upright
+from .model_file import SCALE_KEY, UNTURNED, Angles, baked, check_file, import_objects, printable, turn_upright
 
 
-def open_marker(name: str, model: bpy.types.Object, up: str = "") -> bpy.types.Object:
+def open_marker(name: str, model: bpy.types.Object, up: str = "", rotate_deg: Angles = UNTURNED) -> bpy.types.Object:
     """An object that enforces or blocks supports, turned and scaled as its model was; it is not rendered.
 
     Args:
         name: of a model file, or of an object in the scene.
         model: as `open_models` has made it.
         up: as for the model.
+        rotate_deg: as for the model.
 
     Raises:
         PrintError: no such file or object, or one that cannot be read.
@@ -38,7 +39,7 @@ def open_marker(name: str, model: bpy.types.Object, up: str = "") -> bpy.types.O
         found, kind = [scene.objects[name]], ".blend"
     else:
         raise PrintError(f"there is no file {name} and no object of that name", "give a model file")
-    made = baked(found, scale @ turn_upright(kind, up), path.stem)
+    made = baked(found, scale @ turn_upright(kind, up, rotate_deg), path.stem)
     made.display_type, made.hide_render = "WIRE", True
     made.select_set(False)
     bpy.context.view_layer.objects.active = model

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Euler, Matrix
 
 from ...core.errors import MeshError, PrintError
 from ..quiet import quiet_stderr
@@ -28,20 +28,38 @@ _OTHER_KINDS = {
 }
 
 
+Angles = tuple[float, float, float]
+UNTURNED: Angles = (0.0, 0.0, 0.0)
+
 SCALE_KEY = "dualcolor_scale"
-"""Property of an object: what it was multiplied by to get its height, for what belongs to it."""
+"""Property of an object: what it was multiplied by, for what belongs to it."""
 
 
 _STL_HEAD_BYTES = 84  # of a binary file; a facet in text needs more too
 
 
-def open_model(path: Path, object_name: str = "", up: str = "", height_mm: float | None = None) -> bpy.types.Object:
+def open_model(
+    path: Path,
+    object_name: str = "",
+    up: str = "",
+    height_mm: float | None = None,
+    *,
+    scale: float = 1.0,
+    rotate_deg: Angles = UNTURNED,
+) -> bpy.types.Object:
     """One object: see `open_models`."""
-    return open_models([path], [object_name] if object_name else [], up, height_mm)[0]
+    names = [object_name] if object_name else []
+    return open_models([path], names, up, height_mm, scale=scale, rotate_deg=rotate_deg)[0]
 
 
 def open_models(
-    paths: Sequence[Path], object_names: Sequence[str] = (), up: str = "", height_mm: float | None = None
+    paths: Sequence[Path],
+    object_names: Sequence[str] = (),
+    up: str = "",
+    height_mm: float | None = None,
+    *,
+    scale: float = 1.0,
+    rotate_deg: Angles = UNTURNED,
 ) -> list[bpy.types.Object]:
     """Replace what is open by model files and make the objects to print ready and selected, the first one active.
 
@@ -53,6 +71,8 @@ def open_models(
         object_names: the objects of a single file to take, none for the rule above.
         up: "y" or "z", the axis of the files that points up; "" for the usual one of their kind.
         height_mm: scale the objects of each file together to this height, or None to leave their size.
+        scale: multiply their size by this instead.
+        rotate_deg: turn the upright objects about the X axis, then about Y, then about Z.
 
     Raises:
         PrintError: no such file or object, an unknown kind of file, one that Blender cannot read.
@@ -64,7 +84,11 @@ def open_models(
         raise PrintError("--object chooses from a single file", "give one model, or leave --object out")
     if paths[0].suffix.lower() != ".blend":
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    opened = [obj for path in paths for obj in _opened(path, object_names, up, height_mm)]
+    opened = [
+        obj
+        for path in paths
+        for obj in _opened(path, object_names, turn_upright(path.suffix.lower(), up, rotate_deg), height_mm, scale)
+    ]
     for other in bpy.context.view_layer.objects:
         other.select_set(other in opened)
     bpy.context.view_layer.objects.active = opened[0]
@@ -93,19 +117,21 @@ def check_file(path: Path, alone: bool) -> None:
         raise PrintError(f"{path} cannot be opened beside other files", "print several of its objects with --object")
 
 
-def _opened(path: Path, names: Sequence[str], up: str, height_mm: float | None) -> list[bpy.types.Object]:
+def _opened(
+    path: Path, names: Sequence[str], turn: Matrix, height_mm: float | None, scale: float
+) -> list[bpy.types.Object]:
     """The objects of one file that are to be printed."""
-    kind = path.suffix.lower()
-    imported = kind != ".blend"
+    imported = path.suffix.lower() != ".blend"
     found = import_objects(path) if imported else _opened_scene(path)
     chosen = [_named(path, found, name) for name in names] or printable(path, found, joined=imported)
-    turn = turn_upright(kind, up)
-    if imported or height_mm is not None or turn != Matrix():
+    if imported or height_mm is not None or scale != 1 or turn != Matrix():
         groups = [[obj] for obj in chosen] if names else [chosen]
         titles = [group[0].name if names or not imported else path.stem for group in groups]
         chosen = [baked(group, turn, title) for group, title in zip(groups, titles, strict=True)]
     if height_mm is not None:
-        _scale_to_height(path, chosen, height_mm)
+        scale = height_mm / _height(path, chosen)
+    if scale != 1:
+        _scale(chosen, scale)
     return chosen
 
 
@@ -153,14 +179,26 @@ def _read(path: Path, kind: str) -> None:
         raise PrintError(f"Blender cannot read {path}", reason) from None
 
 
-def turn_upright(kind: str, up: str) -> Matrix:
-    """The rotation that makes a file of that kind stand upright after `_read`; `up` is "y", "z" or "" for the usual."""
+def turn_upright(kind: str, up: str, rotate_deg: Angles = UNTURNED) -> Matrix:
+    """The rotation that makes a file of that kind stand upright after `_read`, and then turns it.
+
+    Args:
+        kind: suffix of the file.
+        up: "y", "z" or "" for the usual axis.
+        rotate_deg: about X, then Y, then Z.
+    """
     up = up or UP_AXIS[kind]
     upright = "y" if kind in (".glb", ".gltf") else "z"
-    if up == upright:
-        return Matrix()
-    sine = 1.0 if up == "y" else -1.0  # written out, for a cosine of 90° is not quite zero
-    return Matrix(((1, 0, 0, 0), (0, 0, -sine, 0), (0, sine, 0, 0), (0, 0, 0, 1)))
+    turn = Matrix()
+    if up != upright:
+        sine = 1.0 if up == "y" else -1.0  # written out, for a cosine of 90° is not quite zero
+        turn = Matrix(((1, 0, 0, 0), (0, 0, -sine, 0), (0, sine, 0, 0), (0, 0, 0, 1)))
+    return rotation(rotate_deg) @ turn if any(rotate_deg) else turn
+
+
+def rotation(degrees: Angles) -> Matrix:
+    """About X, then about Y, then about Z."""
+    return Euler([math.radians(angle) for angle in degrees], "XYZ").to_matrix().to_4x4()
 
 
 def _named(path: Path, found: list[bpy.types.Object], name: str) -> bpy.types.Object:
@@ -218,8 +256,8 @@ def baked(sources: list[bpy.types.Object], turn: Matrix, name: str) -> bpy.types
     return copies[0]
 
 
-def _scale_to_height(path: Path, objects: list[bpy.types.Object], height_mm: float) -> None:
-    """Scale the meshes of objects without transform about the origin, so that together they are that high."""
+def _height(path: Path, objects: list[bpy.types.Object]) -> float:
+    """Of objects without transform together, mm."""
     z = np.concatenate([_heights(obj.data) for obj in objects])
     height = float(z.max() - z.min()) * mm_per_unit(bpy.context.scene)
     name = objects[0].name if len(objects) == 1 else str(path)
@@ -227,9 +265,14 @@ def _scale_to_height(path: Path, objects: list[bpy.types.Object], height_mm: flo
         raise MeshError(f"{name} has vertices without finite coordinates", "repair the mesh")
     if height == 0:
         raise MeshError(f"{name} is flat", "it has no height to scale")
+    return height
+
+
+def _scale(objects: list[bpy.types.Object], factor: float) -> None:
+    """Scale the meshes of objects without transform about the origin."""
     for obj in objects:
-        obj.data.transform(Matrix.Scale(height_mm / height, 4))
-        obj[SCALE_KEY] = height_mm / height
+        obj.data.transform(Matrix.Scale(factor, 4))
+        obj[SCALE_KEY] = factor
 
 
 def _heights(mesh: bpy.types.Mesh) -> np.ndarray:

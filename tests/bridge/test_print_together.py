@@ -160,9 +160,10 @@ def test_the_command_line_prints_a_plate(tmp_path, capfd):
     )
 
 
+@pytest.mark.parametrize("turn", [0, 180])
 @pytest.mark.parametrize("suffix", [".stl", ".blend"])
-def test_a_marker_goes_with_its_model(tmp_path, suffix):
-    """A table of 14 mm, scaled to 28 mm, whose left half is blocked by a box of its own file or scene."""
+def test_a_marker_goes_with_its_model(tmp_path, suffix, turn):
+    """A table of 14 mm, scaled to 28 mm and turned, whose left half is blocked by a box of its own file or scene."""
     fresh()
     table = add_box((30, 6, 4), "table")
     table.data.transform(Matrix.Translation((0, 0, 10)))
@@ -180,13 +181,14 @@ def test_a_marker_goes_with_its_model(tmp_path, suffix):
             obj.select_set(True)
             bpy.ops.wm.stl_export(filepath=str(tmp_path / f"{obj.name}.stl"), export_selected_objects=True)
         names = str(tmp_path / "marker.stl")
-    obj = open_models([path], ["table"] if suffix == ".blend" else [], height_mm=28)[0]
-    held = open_marker(names, obj)
+    obj = open_models([path], ["table"] if suffix == ".blend" else [], height_mm=28, rotate_deg=(0, 0, turn))[0]
+    held = open_marker(names, obj, rotate_deg=(0, 0, turn))
     assert held.hide_render and bpy.context.view_layer.objects.active == obj
     depsgraph = bpy.context.evaluated_depsgraph_get()
     model = plate_model([obj], depsgraph, PrintSettings(), [None], [(held, SupportMark.BLOCKER)])
     low, high = model.volumes[0].vertices.min(axis=0), model.volumes[0].vertices.max(axis=0)
-    np.testing.assert_allclose([low, high], [[0, 0, 16], [30, 12, 32]], atol=1e-4)
+    expected = [[-30, -12, 16], [0, 0, 32]] if turn else [[0, 0, 16], [30, 12, 32]]
+    np.testing.assert_allclose([low, high], expected, atol=1e-4)
     with pytest.raises(PrintError, match="no file nothing and no object"):
         open_marker("nothing", obj)
 

@@ -96,6 +96,41 @@ def test_texture_and_unwrap_give_tones(box, tmp_path, capfd):
         np.testing.assert_allclose(arrays["tone"], 1.0, atol=1e-3)
 
 
+@pytest.mark.parametrize("height", [[], ["--height-mm", "36"]])
+def test_suggested_orientations_can_be_printed(tmp_path, capfd, height):
+    """A wedge: the options that `analyse` gives turn it into what was promised."""
+    wedge = tmp_path / "wedge.obj"
+    wedge.write_text("v 0 0 0\nv 30 0 0\nv 0 0 18\nv 0 24 0\nv 30 24 0\nv 0 24 18\n"
+                     "f 1 3 2\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n")  # fmt: skip
+    assert cli.main(["analyse", str(wedge), "--up", "z", *FAST, "--rotate-z", "20", *height]) == 0
+    found = [line for line in capfd.readouterr().out.splitlines() if line.startswith("orientation ")]
+    assert sum(line.endswith(": as it stands") for line in found) <= 1 and len(found) == 3
+    turned = [line for line in found if "--rotate" in line]
+    assert turned and all(("--height-mm" in line) == bool(height) for line in turned)
+    for line in turned:
+        promised = float(line.split(" to support, ")[1].split(" mm high")[0])
+        command = ["print", str(wedge), "--up", "z", *FAST, *line.split(": ")[-1].split()]
+        assert cli.main(command) == 0
+        size = next(text for text in capfd.readouterr().out.splitlines() if text.startswith("wedge: "))
+        assert abs(float(size.split(" × ")[2].split(" mm")[0]) - promised) <= 0.5  # it is told in whole millimetres
+
+
+def test_models_are_turned_and_scaled(box, tmp_path, capfd):
+    text = box.read_text().replace(" 20", " 10").replace("v 10 ", "v 30 ")  # 30 × 10 × 10 mm
+    box.write_text(text)
+    sizes = {
+        (): "30.0 × 10.0 × 10.0 mm",
+        ("--rotate-y", "90"): "10.0 × 10.0 × 30.0 mm",
+        ("--rotate-z", "-90"): "10.0 × 30.0 × 10.0 mm",
+        ("--rotate-y", "90", "--rotate-z", "45"): "14.1 × 14.1 × 30.0 mm",
+        ("--rotate-x", "90", "--rotate-y", "90", "--height-mm", "60"): "20.0 × 20.0 × 60.0 mm",
+        ("--scale", "1.5"): "45.0 × 15.0 × 15.0 mm",
+    }
+    for options, size in sizes.items():
+        assert cli.main(["print", str(box), *FAST, *options]) == 0
+        assert f"box: {size}" in capfd.readouterr().out
+
+
 def test_settings_file_is_read_and_single_settings_win(box, tmp_path, capfd):
     (tmp_path / "settings.json").write_text('{"layer_height": 0.4, "first_layer_height": 0.5, "perimeters": 2}')
     report = tmp_path / "report.json"
@@ -228,6 +263,8 @@ def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypa
         ["audit", "x.x3g", "--printer", "marlin_dual"],
         ["plate", "x.png", "--samples", "1000000000"],
         ["analyse", "x.obj", "--pixels", "5"],
+        ["print", "x.obj", "--rotate-x", "inf"],
+        ["print", "x.obj", "--scale", "2", "--height-mm", "20"],
     ],
 )
 def test_wrong_usage_is_status_2(arguments, capfd):
