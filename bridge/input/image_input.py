@@ -14,7 +14,7 @@ from ...core.model import Float32Array, ToneImage
 from ...core.texture.decode import tone_image
 from ...core.texture.exif_orientation import orientation_of_file, upright
 from ...core.texture.grade import linear_colors
-from ...core.texture.heads import check_texels, texels, texels_of_file
+from ...core.texture.image_size import check_texels, texels, texels_of_file
 from ..quiet import quiet_stderr
 
 RAW_COLOR_SPACES = ("Non-Color", "Raw", "Generic Data", "ACES2065-1", "ACEScg", "Working Space")

@@ -11,7 +11,7 @@ from ..errors import CalibrationError
 from ..model import BoolArray, Float32Array, FloatArray
 from ..records import dataclass
 from ..texture.decode import LUMINANCE, linear_from_srgb
-from ..texture.heads import check_texels, texels_of_file
+from ..texture.image_size import check_texels, texels_of_file
 
 _HINT = "save it as JPEG or PNG"
 

@@ -27,8 +27,8 @@ from ..sampling.sampling import Projector, Samples, sample
 from ..sampling.visibility import seam_visibility
 from ..settings import PrintSettings
 from ..slicing.slices import Slices, slices
+from ..texture.charts import uv_charts
 from ..texture.island_levels import island_levels
-from ..texture.labels import uv_charts
 from ..texture.pyramid import TexturePyramids, build_pyramids, sizes_of
 from .anew import (
     modulated_anew,

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..model import BoolArray, Float32Array, IntArray
 from ..records import dataclass
+from .charts import Charts
 from .islands import NO_ISLAND, LabelImage
-from .labels import Charts
 
 BAND_TEXELS = 1 << 17  # processed at once, so that they stay in the cache
 

@@ -1,59 +1,23 @@
-"""Labels: which texels of a picture each UV island covers."""
+"""Labels: which texels of a picture each UV island covers, found row by row between the edges of its charts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import fields
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..errors import TextureError
-from ..mesh.components import components, numbered
-from ..mesh.corners import complex_uv, following_corner
-from ..model import BoolArray, FloatArray, IntArray, TriangleMesh
-from ..parallel import CHUNK_ROWS
+from ..mesh.components import components
+from ..model import FloatArray, IntArray
 from ..ragged import ranges
 from ..records import dataclass
-from .islands import NO_ISLAND, LabelImage, corner_places, uv_areas
+from .chart_edges import ChartEdges, chart_edges, first_center
+from .islands import NO_ISLAND, LabelImage
 
 _REPEATS = 4  # faces that cover a picture more often than this use it as a repeating pattern
 _CHUNK_ROWS = 1 << 18  # worked on at once
 _OVERLAP_SHARE = 0.1  # of the smaller island; less is a rounded border or a sliver
 _MOST_KEYS = 1 << 61
-
-
-@dataclass(frozen=True)
-class Charts:
-    """Where the islands of a mesh's UV map lie in its textures, whatever is painted there.
-
-    Attributes:
-        face_island: (F,) `NO_ISLAND` without a texture.
-        face_area: (F,) share of its texture that each face covers, negative where it is mirrored.
-        labels: one a texture, (h, w) the island that covers each texel; of no size where no face uses the texture.
-    """
-
-    face_island: LabelImage
-    face_area: FloatArray
-    labels: tuple[LabelImage, ...]
-
-
-@dataclass(frozen=True)
-class _Edges:
-    """Edges of the charts, E of them, each from its lower to its upper end.
-
-    Attributes:
-        low, high: (E, 2) texels.
-        ends: (E,) whether the chart is on the left of the edge; else it is on the right.
-        island: (E,)
-    """
-
-    low: FloatArray
-    high: FloatArray
-    ends: BoolArray
-    island: LabelImage
 
 
 @dataclass(frozen=True)
@@ -69,37 +33,6 @@ class _Rows:
     begin: LabelImage
     end: LabelImage
     island: LabelImage
-
-
-def uv_charts(mesh: TriangleMesh, sizes: tuple[tuple[int, int], ...]) -> Charts:
-    """The charts of a mesh.
-
-    Args:
-        mesh: F faces with UVs.
-        sizes: rows and columns of each texture.
-
-    Raises:
-        TextureError: a face has a texture that is not there.
-    """
-    if mesh.face_texture.max(initial=-1) >= len(sizes):
-        raise TextureError("a face has a texture that is not there", "assign the picture again")
-    textured = np.flatnonzero(mesh.face_texture >= 0)
-    place = corner_places(mesh, textured)
-    number = numbered(components(place))
-    island = np.full(len(mesh.faces), NO_ISLAND, dtype=np.min_scalar_type(-1 - number.max(initial=0)))
-    island[textured] = number
-    area = uv_areas(mesh.face_uv)
-    labels = []
-    for texture, (height, width) in enumerate(sizes):
-        faces = np.flatnonzero(mesh.face_texture == texture)
-        if not len(faces):
-            labels.append(np.zeros((0, 0), dtype=island.dtype))
-            continue
-        own = slice(None) if len(faces) == len(island) else faces
-        corners = place if len(faces) == len(textured) else place[np.searchsorted(textured, faces)]
-        image, island[own] = rasterized(mesh.face_uv[own], area[own], island[own], height, width, corners)
-        labels.append(image)
-    return Charts(island, area, tuple(labels))
 
 
 def rasterized(
@@ -122,70 +55,13 @@ def rasterized(
         (H, W) island of each texel, `NO_ISLAND` where no chart is, and the triangles' islands (T,) after merging.
     """
     texels, size = width * height, np.array([width, height])
-    edges = _edges(face_uv, np.sign(area), place, island, size)
-    row, end = (_center_from(ends[:, 1]).astype(np.int64) for ends in (edges.low, edges.high))
+    edges = chart_edges(face_uv, np.sign(area), place, island, size)
+    row, end = (first_center(ends[:, 1]).astype(np.int64) for ends in (edges.low, edges.high))
     count = end - row
     if np.abs(area).sum() > _REPEATS or count.sum() > _REPEATS * (texels + len(island)):
         return np.full((height, width), island[0]), np.full_like(island, island[0])
     labels, merged = _painted(_stretches(edges, row, count, size), texels, int(island.max()) + 1)
     return labels.reshape(height, width), island if merged is None else merged[island]
-
-
-def _edges(face_uv: FloatArray, side: FloatArray, place: IntArray, island: LabelImage, size: IntArray) -> _Edges:
-    """The edges of triangles (T, 3, 2) that bound charts, or fold them, and cross a row of texels.
-
-    Args:
-        face_uv: (T, 3, 2).
-        side: (T,) 1 for triangles that turn left in the picture, -1 for those that turn right, 0 without an area.
-        place: (T, 3) see `rasterized`.
-        island: (T,).
-        size: width and height, texels.
-    """
-    places = int(place.max(initial=-1)) + 1
-    corner = _on_borders(place, side, places)
-    face, after = corner // 3, following_corner(corner)
-    one, other, uv = place.take(corner), place.take(after), complex_uv(face_uv)
-    own = np.empty(places, dtype=np.complex128)  # the same to the last digit on either side, so that borders are closed
-    own[one], own[other] = uv.take(corner), uv.take(after)
-    start, end = (own.take(corners).view(np.float64).reshape(-1, 2) * size for corners in (one, other))
-    turn = side[face]
-    crossing = np.flatnonzero((_center_from(start[:, 1]) != _center_from(end[:, 1])) & (turn != 0))
-    face, one, other, start, end, turn = _some(crossing, face, one, other, start, end, turn)
-    # Two triangles on either side of an edge run along it in opposite directions.
-    pair = np.unique(np.minimum(one, other) * places + np.maximum(one, other), return_inverse=True)[1]
-    single = np.flatnonzero((np.bincount(pair, np.where(one < other, turn, -turn)) != 0).take(pair))
-    face, start, end, turn = _some(single, face, start, end, turn)
-    up = start[:, 1] < end[:, 1]
-    low, high = np.where(up[:, None], start, end), np.where(up[:, None], end, start)
-    return _Edges(low, high, up == (turn > 0), island[face])
-
-
-def _some(rows: IntArray, *columns: NDArray[Any]) -> Iterator[NDArray[Any]]:
-    """Some of the rows of each column; several times as fast as by indexing."""
-    return (column.take(rows, axis=0) for column in columns)
-
-
-def _on_borders(place: IntArray, side: FloatArray, places: int) -> IntArray:
-    """The edges both of whose ends are on a chart's border or on a fold of it, as the corners that they start from.
-
-    Around a place within a chart each triangle begins where the one before it has ended: with a random number for
-    each place, end less begin, summed over the triangles, is nothing. A mirrored triangle ends where it begins.
-    """
-    number = np.random.default_rng(0).integers(1 << 44, size=places).astype(np.float64)
-    difference = np.empty(place.shape)
-    for begin in range(0, len(place), CHUNK_ROWS):
-        part = slice(begin, begin + CHUNK_ROWS)
-        numbers = number.take(place[part])
-        for k in range(3):
-            np.multiply(numbers[:, k - 2] - numbers[:, k - 1], side[part], out=difference[part, k])
-    total = np.bincount(place.ravel(), difference.ravel(), places)  # of whole numbers, so that nothing is rounded
-    outside = (total != 0).take(place)
-    return np.concatenate([3 * np.flatnonzero(outside[:, k] & outside[:, k - 2]) + k for k in range(3)])
-
-
-def _center_from(edge: FloatArray) -> FloatArray:
-    """The first texel whose center is not before an edge."""
-    return np.asarray(np.ceil(edge - 0.5))
 
 
 def _parts(size: IntArray | LabelImage, most: int) -> list[slice]:
@@ -195,7 +71,7 @@ def _parts(size: IntArray | LabelImage, most: int) -> list[slice]:
     return [slice(first, end) for first, end in pairwise(bounds)]
 
 
-def _stretches(edges: _Edges, first: IntArray, count: IntArray, size: IntArray) -> _Rows:
+def _stretches(edges: ChartEdges, first: IntArray, count: IntArray, size: IntArray) -> _Rows:
     """The texels between E edges that cross `count` rows (E,) from the row `first` (E,); `size` is (w, h).
 
     Along each row of each island, edges where the chart begins and edges where it ends are counted against each other.
@@ -225,7 +101,7 @@ def _stretches(edges: _Edges, first: IntArray, count: IntArray, size: IntArray) 
     return _wrapped(row + bottom, start, start + (end - begin)[some], owner, size)
 
 
-def _crossings(edges: _Edges, part: slice, first: IntArray, count: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+def _crossings(edges: ChartEdges, part: slice, first: IntArray, count: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Island, row and column (Q,) of the first texel on the right of some edges in each row that they cross.
 
     The column is doubled, and odd where the chart ends there.
@@ -235,7 +111,7 @@ def _crossings(edges: _Edges, part: slice, first: IntArray, count: IntArray) -> 
     slope = (high[:, 0] - low[:, 0]) / np.where(rise > 0, rise, 1.0)
     edge, row = np.repeat(np.arange(len(count)), count), ranges(first, count)
     at = low[edge, 0] + (row + 0.5 - low[edge, 1]) * slope[edge]
-    column = 2 * _center_from(at).astype(np.int64) + edges.ends[part][edge]
+    column = 2 * first_center(at).astype(np.int64) + edges.ends[part][edge]
     return edges.island[part][edge].astype(np.int64), row, column
 
 

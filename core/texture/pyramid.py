@@ -6,9 +6,9 @@ import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
 from ..records import dataclass
+from .charts import Charts, uv_charts
 from .island_levels import BAND_TEXELS, IslandLevel, children, island_levels
 from .islands import NO_ISLAND, LabelImage
-from .labels import Charts, uv_charts
 from .lanczos import reduced, texel_spacing
 
 

@@ -7,7 +7,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 from dualcolor.core.errors import TextureError
-from dualcolor.core.texture.heads import MOST_TEXELS, check_texels, texels
+from dualcolor.core.texture.image_size import MOST_TEXELS, check_texels, texels
 from PIL import Image
 
 
@@ -69,7 +69,7 @@ def test_blender_never_decodes_them(scene, tmp_path):
 def test_bands_of_a_large_picture_make_the_same_levels(monkeypatch):
     from dualcolor.core.model import ToneImage
     from dualcolor.core.texture import island_levels, pyramid
-    from dualcolor.core.texture.labels import Charts
+    from dualcolor.core.texture.charts import Charts
 
     random = np.random.default_rng(5)
     size = (37, 51)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import TextureError
 from dualcolor.core.model import TriangleMesh
+from dualcolor.core.texture.charts import uv_charts
 from dualcolor.core.texture.islands import NO_ISLAND
-from dualcolor.core.texture.labels import uv_charts
 from dualcolor.core.texture.lookup import tone_at
 from dualcolor.core.texture.pyramid import build_pyramids
 from dualcolor.tests.core.texture.textured_plates import image, look_up, plates, points_on
