@@ -110,9 +110,9 @@ def tried(path: Path) -> dict[str, Any]:
 def printed(path: Path, height_mm: float | None) -> tuple[dict[str, Any], Any]:
     """What the whole job says about a file, and the print if there is one; only refusals are caught."""
     from dualcolor.core.errors import PrintError
-    from dualcolor.core.gcode.writer import gcode_text
     from dualcolor.core.pipeline import generate
     from dualcolor.core.settings import PrintSettings
+    from dualcolor.tests.printing import gcode_text
 
     try:
         result = generate(model_of(path, height_mm), PrintSettings())

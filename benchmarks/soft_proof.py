@@ -20,11 +20,11 @@ load_package()
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from dualcolor import registration  # noqa: E402
+from dualcolor.benchmarks.proof_picture import proof_picture  # noqa: E402
 from dualcolor.bridge.input.image_input import image_tone, load_image  # noqa: E402
 from dualcolor.bridge.measuring.instrument import Face  # noqa: E402
 from dualcolor.bridge.objects.picture_objects import add_picture_object  # noqa: E402
 from dualcolor.bridge.pictures.picture_print import picture_print  # noqa: E402
-from dualcolor.bridge.proof.proof_picture import proof_picture  # noqa: E402
 from dualcolor.bridge.proof.soft_proof import show_proof  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
 from dualcolor.bridge.units import use_millimeters  # noqa: E402

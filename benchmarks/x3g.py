@@ -22,7 +22,6 @@ from launcher import load_package  # noqa: E402
 load_package()
 import numpy as np  # noqa: E402
 from dualcolor.benchmarks.tables import replace_table  # noqa: E402
-from dualcolor.core.gcode.writer import gcode_text  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.pipeline import DualColorPrint, generate  # noqa: E402
@@ -34,6 +33,7 @@ from dualcolor.core.x3g.reader import Commands, read_x3g  # noqa: E402
 from dualcolor.core.x3g.writer import x3g_bytes  # noqa: E402
 from dualcolor.tests.core.x3g.x3g_simulation import print_seconds  # noqa: E402
 from dualcolor.tests.gpx import convert, installed  # noqa: E402
+from dualcolor.tests.printing import gcode_text  # noqa: E402
 
 DATA = ROOT.parent / "shared" / "data"
 OUT = ROOT / "docs" / "x3g.md"

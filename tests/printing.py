@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from dualcolor.core.gcode.writer import counted_text
+from dualcolor.core.model import FloatArray
 from dualcolor.core.paths import Feature
+from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.moves import Moves
 
 TRAVEL, RETRACT, OUTER_WALL, TOWER = Feature.TRAVEL, Feature.RETRACT, Feature.OUTER_WALL, Feature.TOWER
@@ -45,3 +48,8 @@ def rosette(layers: int, points: int) -> Moves:
         rows.append((*circle[-1], z, tool, RETRACT, layer, 25, -4.0))
         rows.append((*circle[-1], z + 0.4, tool, TRAVEL, layer, 19.5, 0))
     return table(*rows)
+
+
+def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None) -> bytes:
+    """The whole G-code file of some moves, without the count of its lines."""
+    return counted_text(moves, settings, header, begins)[0]

@@ -27,7 +27,6 @@ from ..pictures.render_rods import render_rods
 from ..pictures.studio import camera_axes
 from ..strands.strand_curves import draws_straight, read_strands, set_drawing, strand_objects
 
-LIGHTS = ("even", "lamp")
 _LAMP_SHARE = 0.5
 _LAMP_FROM_NORMAL_RAD = math.radians(45.0)
 _LAMP_SIZE_RAD = math.radians(10.0)

@@ -57,11 +57,6 @@ class BegunText:
     chunks: list[list[bytearray]]
 
 
-def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None) -> bytes:
-    """The whole file: header, start sequence, one `G1` a move, tool changes, end sequence; see `counted_text`."""
-    return counted_text(moves, settings, header, begins)[0]
-
-
 def begin_text(moves: Moves, settings: PrintSettings) -> BegunText:
     """Begin the file's text, which takes most of its time, before the times and totals of the print are known.
 

@@ -12,11 +12,11 @@ from dualcolor.bridge.strands.print_file import read_print, show_file  # noqa: E
 from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
 from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.core.errors import PrintError  # noqa: E402
-from dualcolor.core.gcode.writer import gcode_text  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.strands.beads import strands  # noqa: E402
 from dualcolor.core.x3g.writer import x3g_bytes  # noqa: E402
+from dualcolor.tests.printing import gcode_text  # noqa: E402
 from dualcolor.tests.solids import box  # noqa: E402
 from dualcolor.tests.strand_volume import volume_mm3  # noqa: E402
 

@@ -7,13 +7,13 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+from dualcolor.benchmarks.proof_picture import proof_picture  # noqa: E402
 from dualcolor.bridge.input.image_input import image_tone  # noqa: E402
 from dualcolor.bridge.measuring.instrument import Face  # noqa: E402
 from dualcolor.bridge.objects.picture_objects import add_picture_object  # noqa: E402
 from dualcolor.bridge.paint.painting import picture_of  # noqa: E402
 from dualcolor.bridge.paint.unwrap import smart_project  # noqa: E402
 from dualcolor.bridge.pictures.picture_print import picture_print  # noqa: E402
-from dualcolor.bridge.proof.proof_picture import proof_picture  # noqa: E402
 from dualcolor.bridge.proof.soft_proof import show_proof  # noqa: E402
 from dualcolor.bridge.properties import to_settings  # noqa: E402
 from dualcolor.core.analysis.soft_proof import TAPS, proof_table, proof_window, tone_range  # noqa: E402

@@ -15,7 +15,6 @@ from dualcolor.core.calibration.photograph import read_photograph
 from dualcolor.core.calibration.sweep import read_sweep
 from dualcolor.core.calibration.table import read_table
 from dualcolor.core.gcode.reader import read_gcode
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import DualColorPrint, generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import PRESETS, read_preset, read_settings, settings_json
@@ -25,6 +24,7 @@ from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
+from dualcolor.tests.printing import gcode_text
 from dualcolor.tests.solids import box
 from PIL import Image
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 from dualcolor.core.errors import PrintError, SettingsError
 from dualcolor.core.gcode.reader import read_gcode
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
+from dualcolor.tests.printing import gcode_text
 from dualcolor.tests.robustness.strategies import ANY_SETTINGS, JOB_SETTINGS, broken, examples, solids
 from dualcolor.tests.robustness.winding import agreement
 from dualcolor.tests.solids import lathe, picture

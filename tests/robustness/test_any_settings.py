@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 from dualcolor.core.errors import SettingsError
 from dualcolor.core.gcode.reader import read_gcode
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import KINDS, kind_settings, read_preset, read_settings, save_preset, settings_json
-from dualcolor.tests.printing import OUTER_WALL, TRAVEL, table
+from dualcolor.tests.printing import OUTER_WALL, TRAVEL, gcode_text, table
 from dualcolor.tests.robustness.strategies import ANY_SETTINGS, examples
 from hypothesis import assume, given
 from hypothesis import strategies as st

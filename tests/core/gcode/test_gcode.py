@@ -13,14 +13,13 @@ from dualcolor.core.gcode.numbers import (
     whole_texts,
 )
 from dualcolor.core.gcode.sequences import end_sequence
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import preset_values
 from dualcolor.core.statistics.time_and_filament import move_seconds
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.gpx import convert
-from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, rosette, table
+from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, gcode_text, rosette, table
 from dualcolor.tests.solids import cylinder, joined
 
 NUMBER = r"-?\d+\.\d{3}"

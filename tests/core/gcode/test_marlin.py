@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import SettingsError
 from dualcolor.core.exports import export_x3g
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import preset_values
-from dualcolor.tests.printing import rosette
+from dualcolor.tests.printing import gcode_text, rosette
 from dualcolor.tests.solids import box
 
 SETTINGS = PrintSettings().changed(preset_values(["marlin_dual"]))

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.standby import preheat_seconds, standby, standby_warnings
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics.time_and_filament import move_seconds
 from dualcolor.core.x3g.audit import audit
@@ -12,7 +11,7 @@ from dualcolor.core.x3g.commands import Action, Command
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
 from dualcolor.tests.gpx import convert
-from dualcolor.tests.printing import rosette
+from dualcolor.tests.printing import gcode_text, rosette
 
 SETTINGS = PrintSettings(standby_temperature_delta=30, nozzle_temperature_1=240)
 

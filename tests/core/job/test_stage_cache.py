@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.job.stage_cache import StageCache
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
+from dualcolor.tests.printing import gcode_text
 from dualcolor.tests.solids import lathe, picture
 
 RANDOM = np.random.default_rng(3)

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from dualcolor.core.gcode.reader import read_gcode
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.paths import Feature
 from dualcolor.core.pattern.modulation import layer_is_black, layer_shift
 from dualcolor.core.pictures.figure_cylinders import FIGURES, figure_cylinder
@@ -11,6 +10,7 @@ from dualcolor.core.pictures.shapes import surface_of
 from dualcolor.core.pipeline import generate
 from dualcolor.core.ragged import following
 from dualcolor.core.settings import PrintSettings
+from dualcolor.tests.printing import gcode_text
 
 SMALL = PrintSettings(texture_filter="lanczos", infill_density=0.0)
 NO_TOWER = {"tower_type": "none", "skirts": 0}

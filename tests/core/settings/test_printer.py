@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import MeshError, SettingsError
 from dualcolor.core.gcode.reader import read_gcode
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.job.checks import check
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
@@ -20,7 +19,7 @@ from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
 from dualcolor.tests.gpx import convert
-from dualcolor.tests.printing import rosette
+from dualcolor.tests.printing import gcode_text, rosette
 from dualcolor.tests.solids import box
 
 MAKERBOT = [name for name in printer_names() if not printer_profile(name).marlin]

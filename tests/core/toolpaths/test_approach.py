@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
@@ -14,6 +13,7 @@ from dualcolor.core.toolpaths.approach import TOWER_WIPE_MM
 from dualcolor.core.toolpaths.assemble import assemble
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.core.toolpaths.order import OrderedPaths
+from dualcolor.tests.printing import gcode_text
 from dualcolor.tests.solids import cylinder, joined
 
 RING = [[0, 0], [10, 0], [10, 10], [0, 10], [0, 0]]

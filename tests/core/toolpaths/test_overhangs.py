@@ -4,11 +4,11 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from dualcolor.core.gcode.writer import gcode_text
 from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.overhangs import undersides
+from dualcolor.tests.printing import gcode_text
 from dualcolor.tests.solids import box, cylinder, joined, lathe
 
 SLOW = 14.25  # no limit gives this speed

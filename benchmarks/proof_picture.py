@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from dualcolor.bridge.input.printed_materials import is_proof
+from dualcolor.bridge.measuring.instrument import Face, stand_before
+from dualcolor.bridge.pictures.render import leaving_no_trace
+from dualcolor.bridge.proof.proof_nodes import SHOWN
+from dualcolor.core.model import Float32Array
 from mathutils import Matrix, Vector
-
-from ...core.model import Float32Array
-from ..input.printed_materials import is_proof
-from ..measuring.instrument import Face, stand_before
-from ..pictures.render import leaving_no_trace
-from .proof_nodes import SHOWN
 
 
 def proof_picture(obj: bpy.types.Object, face: Face, mm_per_pixel: float, samples: int = 4) -> Float32Array:
