@@ -8,9 +8,9 @@ from ..errors import PrintError
 from ..gcode.reader import ReadPrint
 from ..model import BoolArray, FloatArray
 from ..settings import PrintSettings
-from ..settings.printer import PrinterProfile
+from ..settings.printer import PrinterProfile, printer_names, printer_profile
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
-from .reader import read_x3g
+from .reader import Commands, read_x3g
 
 _LONGEST_GAP = 0.6  # mm; a step of filament makes a quarter of a millimeter of a usual line
 _STEP_MM = 0.02  # places that whole steps make are this near
@@ -25,13 +25,14 @@ def moves_of_x3g(data: bytes, name: str, settings: PrintSettings | None = None) 
     Args:
         data: the file.
         name: of the print.
-        settings: of the print, defaults if they are not known.
+        settings: of the print; if they are not known, the defaults for the printer whose motors make its moves as long
+            as the file says they are.
 
     Raises:
         PrintError: it is damaged, or lays down no plastic.
     """
-    settings = settings or PrintSettings()
     found = read_x3g(data)
+    settings = settings or PrintSettings(printer=_printer_of(found))
     rows = np.flatnonzero(found.moves & found.known[:, :3].all(axis=1))
     if not len(rows):
         raise PrintError("the file lays down no plastic", "choose the X3G file of a print")
@@ -48,6 +49,22 @@ def moves_of_x3g(data: bytes, name: str, settings: PrintSettings | None = None) 
     steps = (float(1 / per_mm[0]), float(1 / per_mm[3]))
     tool = np.maximum(found.tool[rows], 0)
     return ReadPrint(name, settings, recovered_moves(position, tool, fed, speed, feature, settings, steps))
+
+
+def _printer_of(found: Commands) -> str:
+    """The printer whose steps fit the lengths that moves are said to have; a file does not name it."""
+    way = found.way[:, :3] * ~(found.way[:, 3:] != 0).any(axis=1, keepdims=True)
+    told = np.isfinite(found.distance) & way.any(axis=1)
+    usual = PrintSettings().printer
+    names = sorted(
+        (name for name in printer_names() if printer_profile(name).marlin is None), key=lambda name: name != usual
+    )
+    off = []
+    for name in names if told.any() else ():
+        step = way[told] / np.array(printer_profile(name).steps_per_mm[:3])
+        length = np.sqrt(np.einsum("ij,ij->i", step, step))
+        off.append(float(np.median(np.abs(length / found.distance[told] - 1.0))))
+    return names[int(np.argmin(off))] if off else usual
 
 
 def _priming_end(position: FloatArray, fed: FloatArray, printer: PrinterProfile) -> int:

@@ -97,6 +97,9 @@ def test_every_printer_equals_gpx(name, tmp_path):
     assert read.settings.printer == name
     laid = [m.position[m.extrudes].max(axis=0) for m in (moves, read.moves, moves_of_x3g(data, "part", settings).moves)]
     np.testing.assert_allclose(laid[1:], [laid[0]] * 2, atol=0.01)
+    unnamed = moves_of_x3g(data, "part")
+    assert unnamed.settings.printer == name  # an X3G file does not say whose steps it counts
+    np.testing.assert_allclose(unnamed.moves.position[unnamed.moves.extrudes].max(axis=0), laid[0], atol=0.01)
 
 
 @pytest.mark.parametrize(("name", "at_zero", "away"), [("replicator_2x", 37, 112), ("replicator_dual", 35, 106)])
