@@ -27,18 +27,20 @@ _CORNER = 0.1  # line widths: corners of walls are no gaps
 _SAMPLE = 0.5  # line widths between the boundary's points that the middle is found from
 _SHORTEST, _LONGEST = 1.0, 5.0  # line widths, of a line in a gap and of its pieces, each with a width of its own
 _NARROWEST, _WIDEST = 0.5, 1.5  # line widths
+_WIDEST_FILL = 1.05  # line widths, on average: what is wider is filled by lines across
+_LEAST_AROUND = 8.0  # line widths around what is filled by one line: smaller places would get none
 _SIMPLIFY_MM = 0.01
 _ON_EDGE_MM = 1e-6
 _GRID_DIGITS = 6  # decimals of mm; points much nearer than that to each other upset the triangulation
 
 
 def margins(settings: PrintSettings) -> tuple[float, ...]:
-    """Line widths by which what is found between each wall and the next one reaches into the walls on both sides.
+    """Line widths by which what is found between each wall and the next, and in the last, reaches into both sides.
 
     Less than 0 keeps off straight walls, so that gaps that are too narrow are not found; lines are as much wider.
     """
     waved = _INTO_WAVES if settings.wave_crest > 0 else -_LEAST / 2
-    return tuple(-_LEAST / 2 if number else waved for number in range(settings.perimeters))
+    return tuple(-_LEAST / 2 if number else waved for number in range(settings.perimeters + 1))
 
 
 def gaps_between(
@@ -57,7 +59,7 @@ def gaps_between(
     """
     return [
         _gaps(outer, inner, step, width_mm, margin)
-        for (outer, inner), step, margin in zip(pairwise(walls), steps, margins(settings), strict=True)
+        for (outer, inner), step, margin in zip(pairwise(walls), steps, margins(settings)[:-1], strict=True)
     ]
 
 
@@ -72,6 +74,41 @@ def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margi
     large = (shapely.area(parts) > _SMALLEST_MM2) & (shapely.get_dimensions(parts) == 2)
     found[rows] = gathered(parts[large], owner[large], len(rows))
     return found
+
+
+def narrow_fill(fill: Shapes, width_mm: FloatArray, settings: PrintSettings) -> tuple[Shapes, Shapes]:
+    """Parts of the regions inside the last wall that are filled by one line along their middle: many would overfill.
+
+    Args:
+        fill: (I,) regions to fill, which reach into the wall by the overlap.
+        width_mm: (I,) of the lines.
+        settings: tell whether anything is filled, and how far the regions reach.
+
+    Returns:
+        (I,) MultiPolygon as of `gaps_between`, mostly empty, and (I,) what is left to be filled by lines side by side.
+    """
+    found = np.full(len(fill), shapely.Polygon(), dtype=object)
+    if settings.is_hollow:
+        return found, fill
+    overlap = settings.infill_overlap / 100.0
+    parts, owner = shapely.get_parts(fill, return_index=True)
+    width, around = width_mm[owner], shapely.length(parts)
+    narrow = (2 * shapely.area(parts) < (_WIDEST_FILL + 2 * overlap) * width * around) & (
+        around > _LEAST_AROUND * width
+    )
+    tried = np.flatnonzero(narrow)
+    widest = (_WIDEST + 2 * overlap) * width[tried]
+    narrow[tried] = shapely.is_empty(shapely.buffer(parts[tried], -widest / 2, quad_segs=1))
+    rows = np.unique(owner[narrow])
+    if not len(rows):
+        return found, fill
+    left, kept = fill.copy(), ~narrow & np.isin(owner, rows)
+    left[rows] = gathered(parts[kept], owner[kept], len(fill))[rows]
+    moved_by = (margins(settings)[-1] - overlap) * width[narrow]
+    gaps, of = shapely.get_parts(offset(parts[narrow], moved_by), return_index=True)
+    some = ~shapely.is_empty(gaps)
+    found[rows] = gathered(gaps[some], owner[narrow][of[some]], len(fill))[rows]
+    return found, left
 
 
 def _strays(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray) -> BoolArray:

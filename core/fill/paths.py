@@ -15,7 +15,7 @@ from ..slicing.planes import line_widths, middle_heights
 from .bridges import Bridges, bridged
 from .closing import closed, covering
 from .concentric import nested
-from .gap_fill import gap_paths, gaps_between, margins
+from .gap_fill import gap_paths, gaps_between, margins, narrow_fill
 from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
@@ -86,15 +86,17 @@ def fill_areas(
 
     Returns:
         (I,) each: the regions bounded by the walls' center lines, from the islands themselves in; the gaps between
-        each wall and the next; skins and sparse fill.
+        each wall and the next, and inside the last; skins and sparse fill.
     """
 
     def chunk(islands: Shapes, layer: IntArray, solid: Shapes, whole: BoolArray) -> tuple[Shapes, ...]:
         width = line_widths(layer, settings)
         walls, fill, steps = walls_and_fill(islands, width, settings)
+        narrow, fill = narrow_fill(fill, width, settings)
         return (
             *walls,
             *gaps_between(walls, steps, width, settings),
+            narrow,
             *solid_and_sparse(fill, Skins(solid, whole), settings),
         )
 
@@ -115,7 +117,7 @@ def fill_lines(areas: tuple[Shapes, ...], over_air: Bridges, island_layer: IntAr
     """
     width = line_widths(island_layer, settings)
     *bounded, solid, sparse = areas
-    walls, narrow = bounded[: len(bounded) // 2 + 1], bounded[len(bounded) // 2 + 1 :]
+    walls, narrow = bounded[: len(bounded) // 2], bounded[len(bounded) // 2 :]
     with ThreadPoolExecutor(1) as beside:  # GEOS triangulates the gaps while numpy hatches
         along_gaps = beside.submit(gap_paths, narrow, margins(settings), island_layer, width)
         lines = _hatched(solid, sparse, over_air, island_layer, settings)

@@ -100,14 +100,27 @@ def test_walls_that_meet_have_no_line_between_them():
     assert np.abs(shapely.get_y(shapely.centroid(lines_of(paths, Feature.SKIN)))).min() > 6
 
 
-@pytest.mark.parametrize("thickness", [0.6, 0.8, 1.1, 1.2, 1.3, 1.4])
+@pytest.mark.parametrize("thickness", [0.6, 0.8, 1.1, 1.2, 1.3, 1.4, 1.75, 1.8, 1.9, 2.0])
 def test_a_thin_wall_takes_as_much_plastic_as_it_has_room(thickness):
+    """Whatever `infill_density` is for wider places, unless the print is to be hollow."""
+    for density in (100.0, 10.0) if thickness > 1.6 else (10.0,):
+        flat = PrintSettings(background_tone=0.5, calibration="none", offset_max=0.0, infill_density=density)
+        assert printed_share(thickness, flat) == pytest.approx(1.0, abs=0.03)
+
+
+def printed_share(thickness, settings):
+    """What a tube takes of the plastic that has room in it."""
     model = lathe([[10 - thickness, 0], [10, 0], [10, 3], [10 - thickness, 3], [10 - thickness, 0]])
-    flat = PrintSettings(background_tone=0.5, calibration="none", offset_max=0.0)
-    moves = generate(model, flat).moves
+    moves = generate(model, settings).moves
     rows = moves.extrudes & ~np.isin(moves.feature, BESIDE)
     printed = moves.filament[rows].sum() * np.pi / 4 * 1.75**2
-    assert printed == pytest.approx(3 * np.pi * (10**2 - (10 - thickness) ** 2), rel=0.03)
+    return printed / (3 * np.pi * (10**2 - (10 - thickness) ** 2))
+
+
+def test_what_is_inside_narrow_walls_stays_empty_in_a_hollow_print():
+    flat = PrintSettings(background_tone=0.5, calibration="none", offset_max=0.0, infill_density=0.0)
+    hollow = flat.changed({"top_solid_layers": 0, "bottom_solid_layers": 0})
+    assert printed_share(2.0, hollow) == pytest.approx(0.8, abs=0.02)
 
 
 def test_no_gap_is_too_regular_for_its_middle():
