@@ -33,7 +33,8 @@ class Approach:
         retracts: (K,) a long travel with retraction.
         travels: (K,) any travel; True wherever one of the others is.
         wipe: (K,) mm that the nozzle goes over the path before while the filament is pulled back.
-        via: (K,) places that it passes on the way.
+        via: (K,) how many places it passes on the way.
+        places: (V, 2) mm, those places, path by path.
         hops: whether the nozzle is lifted on travels with retraction.
         begins_pulled_back: whether the print begins retracted, so that nothing drips on the long way to the first path.
     """
@@ -43,6 +44,7 @@ class Approach:
     travels: BoolArray
     wipe: FloatArray
     via: IntArray
+    places: FloatArray
     hops: bool
     begins_pulled_back: bool
 
@@ -87,8 +89,30 @@ def approaches(
     wipe[1:] = np.minimum(np.maximum(least, settings.wipe), sums(length, paths.start)[:-1])
     wipe[~(changes | retracts) | (wipe < _LEAST_WIPE_MM)] = 0.0
     via = np.where(changes, 0, ways.count)
-    begins_pulled_back = settings.retract_length > 0
-    return Approach(changes, retracts, (distance > TOUCHING) | rises, wipe, via, settings.z_hop > 0, begins_pulled_back)
+    places = ways.via[ranges(ways.start[:-1], via)]
+    travels = (distance > TOUCHING) | rises
+    return Approach(changes, retracts, travels, wipe, via, places, settings.z_hop > 0, settings.retract_length > 0)
+
+
+@dataclass(frozen=True)
+class _Connections:
+    """The rows of the table of moves that lead to each of K paths.
+
+    Attributes:
+        table: of all moves; written into.
+        paths: K, in printing order.
+        approach: how each path is reached.
+        first: (K,) the first row before each path.
+        begin: (K, 3) mm, where each path begins.
+        left: (K, 3) mm, where the nozzle is once the filament is pulled back; before that, where the last path ends.
+    """
+
+    table: Moves
+    paths: OrderedPaths
+    approach: Approach
+    first: IntArray
+    begin: FloatArray
+    left: FloatArray
 
 
 def fill_approaches(
@@ -98,7 +122,6 @@ def fill_approaches(
     first: IntArray,
     approach: Approach,
     length: FloatArray,
-    ways: Travels,
     settings: PrintSettings,
 ) -> None:
     """Write the moves before each path, in place.
@@ -110,63 +133,51 @@ def fill_approaches(
         first: (K,) row at which each path's approach begins.
         approach: how each path is reached.
         length: (N,) mm from each point to the next of its path.
-        ways: from path to path.
         settings: lengths and speeds of retraction, lifts.
     """
-    first_point = np.column_stack([paths.points[paths.start[:-1]], layers.top[paths.layer]])
-    _pass_by(table, first_point, first, approach, ways, settings)
-    left = _pull_back(table, paths, layers, first, approach, length, settings)
-
+    top = layers.top[paths.layer]
+    left = np.zeros((len(first), 3))
+    left[1:] = np.column_stack([paths.points[paths.start[1:] - 1], top])[:-1]
+    between = _Connections(table, paths, approach, first, np.column_stack([paths.points[paths.start[:-1]], top]), left)
+    _pass_by(between, settings)
+    _pull_back(between, _arcs(paths, length), settings)
     if approach.begins_pulled_back and len(first):
-        _prime(table, first[:1] + 1, first_point[:1], settings.retract_length, settings)
-    _change_tool(table, paths, first_point, left, first, approach, settings)
-    _travel_retracted(table, first_point, left, first, approach, settings)
+        _prime(table, first[:1] + 1, between.begin[:1], settings.retract_length, settings)
+    _change_tool(between, settings)
+    _travel_retracted(between, settings)
 
 
-def _change_tool(
-    table: Moves,
-    paths: OrderedPaths,
-    first_point: FloatArray,
-    left: FloatArray,
-    first: IntArray,
-    approach: Approach,
-    settings: PrintSettings,
-) -> None:
+def _change_tool(between: _Connections, settings: PrintSettings) -> None:
     """Write the moves of tool changes once the filament is pulled back: lift, way of the new tool, descent, priming."""
+    table, approach = between.table, between.approach
     chosen = np.flatnonzero(approach.changes)
-    row = first[chosen] + approach.pulls[chosen]
-    lift = np.array([0.0, 0.0, settings.z_hop_toolchange])
-    table.position[row] = left[chosen] + lift
-    table.tool[row] = table.tool[np.maximum(first[chosen] - 1, 0)]
-    table.layer[row] = paths.layer[chosen - 1]
-    table.position[row + 1] = first_point[chosen] + lift
-    table.position[row + 2] = first_point[chosen]
+    row = between.first[chosen] + approach.pulls[chosen]
+    begin, lift = between.begin[chosen], np.array([0.0, 0.0, settings.z_hop_toolchange])
+    table.position[row] = between.left[chosen] + lift
+    _belongs_to_the_path_before(between, chosen, row)
+    table.position[row + 1] = begin + lift
+    table.position[row + 2] = begin
     amount = settings.retract_length_toolchange + settings.retract_restart_extra_toolchange
-    _prime(table, row + 3, first_point[chosen], amount, settings)
+    _prime(table, row + 3, begin, amount, settings)
 
 
-def _travel_retracted(
-    table: Moves,
-    first_point: FloatArray,
-    left: FloatArray,
-    first: IntArray,
-    approach: Approach,
-    settings: PrintSettings,
-) -> None:
+def _travel_retracted(between: _Connections, settings: PrintSettings) -> None:
     """Write the moves of travels with retraction once the filament is pulled back: lift, travel, descent, priming."""
+    table, approach = between.table, between.approach
     chosen = np.flatnonzero(approach.retracts)
-    row = first[chosen] + approach.pulls[chosen]
+    row = between.first[chosen] + approach.pulls[chosen]
+    begin, left = between.begin[chosen], between.left[chosen]
     if approach.hops:
         # Over the higher of the two layers, as a travel may lead up a layer.
-        height = np.maximum(left[chosen, 2], first_point[chosen, 2]) + settings.z_hop
-        table.position[row] = np.column_stack([left[chosen, :2], height])
+        height = np.maximum(left[:, 2], begin[:, 2]) + settings.z_hop
+        table.position[row] = np.column_stack([left[:, :2], height])
         row = row + 1 + approach.via[chosen]
-        table.position[row] = np.column_stack([first_point[chosen, :2], height])
+        table.position[row] = np.column_stack([begin[:, :2], height])
         row = row + 1
     else:
         row = row + approach.via[chosen]
-    table.position[row] = first_point[chosen]
-    _prime(table, row + 1, first_point[chosen], settings.retract_length + settings.retract_restart_extra, settings)
+    table.position[row] = begin
+    _prime(table, row + 1, begin, settings.retract_length + settings.retract_restart_extra, settings)
 
 
 def _prime(table: Moves, row: IntArray, place: FloatArray, amount_mm: float, settings: PrintSettings) -> None:
@@ -177,39 +188,39 @@ def _prime(table: Moves, row: IntArray, place: FloatArray, amount_mm: float, set
     table.speed[row] = settings.deretract_speed
 
 
-def _pass_by(
-    table: Moves, first_point: FloatArray, first: IntArray, approach: Approach, ways: Travels, settings: PrintSettings
-) -> None:
+def _belongs_to_the_path_before(between: _Connections, chosen: IntArray, row: IntArray) -> None:
+    """Give rows (R,), each before one of the chosen paths (R,), the tool and the layer of the path before that."""
+    between.table.tool[row] = between.table.tool[np.maximum(between.first[chosen] - 1, 0)]
+    between.table.layer[row] = between.paths.layer[chosen - 1]
+
+
+def _pass_by(between: _Connections, settings: PrintSettings) -> None:
     """Write the travels by way of other places; those have the height of the travel, which stays on its layer."""
-    path = np.repeat(np.arange(len(first)), approach.via)
+    position, approach = between.table.position, between.approach
     lifted = approach.retracts & approach.hops
-    row = ranges(first + approach.pulls + lifted, approach.via)
-    table.position[row, :2] = ways.via[ranges(ways.start[:-1], approach.via)]
-    table.position[row, 2] = first_point[path, 2] + np.where(lifted[path], settings.z_hop, 0.0)
+    row = ranges(between.first + approach.pulls + lifted, approach.via)
+    position[row, :2] = approach.places
+    position[row, 2] = np.repeat(between.begin[:, 2] + np.where(lifted, settings.z_hop, 0.0), approach.via)
 
 
-def _pull_back(
-    table: Moves,
-    paths: OrderedPaths,
-    layers: Layers,
-    first: IntArray,
-    approach: Approach,
-    length: FloatArray,
-    settings: PrintSettings,
-) -> FloatArray:
-    """Write the moves that pull the filament back; returns (K, 3) mm, where the nozzle then is."""
-    left = np.zeros((len(first), 3))
-    left[1:] = np.column_stack([paths.points[paths.start[1:] - 1], layers.top[paths.layer]])[:-1]
+def _pull_back(between: _Connections, arc: FloatArray, settings: PrintSettings) -> None:
+    """Write the moves that pull the filament back, and move `between.left` to where the nozzle then is.
+
+    Args:
+        between: before each path.
+        arc: (N,) mm, see `_arcs`.
+        settings: lengths and speeds of retraction.
+    """
+    table, left, approach = between.table, between.left, between.approach
     amount = np.where(approach.changes, settings.retract_length_toolchange, settings.retract_length)
     pulls = approach.pulls
-    arc = _arcs(paths, length)
     for step in range(int(pulls.max(initial=0))):
         chosen = np.flatnonzero(pulls > step)
-        row = first[chosen] + step
+        row = between.first[chosen] + step
         before = left[chosen].copy()
         wipes = approach.wipe[chosen] > 0
         way = summable(approach.wipe[chosen[wipes]] * ((step + 1) / _WIPE_MOVES))
-        left[chosen[wipes], :2] = _along(paths, arc, chosen[wipes], way)
+        left[chosen[wipes], :2] = _along(between.paths, arc, chosen[wipes], way)
         pulled = amount[chosen] / pulls[chosen]
         way = np.hypot(*(left[chosen] - before)[:, :2].T)
         seconds = np.maximum(pulled / settings.retract_speed, way / settings.travel_speed)
@@ -218,9 +229,7 @@ def _pull_back(
         table.filament[row] = -pulled
         moved = way > 0
         table.speed[row] = np.where(moved, way / np.where(moved, seconds, 1.0), settings.retract_speed)
-        table.tool[row] = table.tool[np.maximum(first[chosen] - 1, 0)]
-        table.layer[row] = paths.layer[chosen - 1]
-    return left
+        _belongs_to_the_path_before(between, chosen, row)
 
 
 def _along(paths: OrderedPaths, arc: FloatArray, chosen: IntArray, way: FloatArray) -> FloatArray:

@@ -46,7 +46,7 @@ def assemble(
     length, speed, short = measured.result()
     approach = approaches(paths, tool, length, ways, settings)
     table, first_row = _extrusions(paths, tool, layers, approach.rows, length, speed, settings)
-    fill_approaches(table, paths, layers, first_row, approach, length, ways, settings)
+    fill_approaches(table, paths, layers, first_row, approach, length, settings)
     slow_short_layers(table, short, settings)
     return table
 
