@@ -7,14 +7,13 @@ two of them cross, that is the offset; elsewhere GEOS has to find it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..ragged import following, preceding, starts, sums
+from ..records import dataclass
 from ..slicing.regions import ring_polygons
 
 MITRE_LIMIT = 2.0  # distances
@@ -25,7 +24,7 @@ _ROUNDS = 6  # of dropping edges; where more would go, the order counts in which
 Plane = NDArray[np.complex128]
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Edges:
     """The moved edges of all rings, E of them, in the complex plane.
 

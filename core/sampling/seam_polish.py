@@ -13,14 +13,13 @@ met is kept.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..contours.contours import Contours, loop_of
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, preceding, ranges
+from ..records import dataclass
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
 from .sampling import Projector, Samples
@@ -71,7 +70,7 @@ class Polish:
     parts: int = 1
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Pairs:
     """P places and then their P images, the sample before each and how much a seam between each two matters.
 
