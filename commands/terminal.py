@@ -58,17 +58,29 @@ def summary(result: DualColorPrint) -> list[str]:
     report = result.report
     low, high = report["bounds_mm"]
     size = " × ".join(f"{b - a:.1f}" for a, b in zip(low, high, strict=True))
-    hours, minutes = divmod(round(report["time_s"]["total"] / 60), 60)
-    filament = report["filament"]
+    time = report["time_s"]
     count = len(report["objects"])
     name = f"{result.name}, plate of {count} objects" if count > 1 else result.name
     return [
         f"{name}: {size} mm, {counted(report['layers'], 'layer')}, {counted(report['tool_changes'], 'tool change')}",
-        f"print time {hours} h {minutes:02d} min; filament {filament['tool0_g']:.1f} g in tool 0 (right nozzle), "
-        f"{filament['tool1_g']:.1f} g in tool 1 (left nozzle)",
+        f"print time {_duration(time['total'])} after about {_duration(time['heating'])} of heating",
+        f"filament: {_filament(result, 'black')}, {_filament(result, 'white')}",
         *([_solid_regions(report["solid_regions"])] if "solid_regions" in report else []),
         *(f"warning: {warning}" for warning in result.warnings),
     ]
+
+
+def _duration(seconds: float) -> str:
+    hours, minutes = divmod(round(seconds / 60), 60)
+    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min"
+
+
+def _filament(result: DualColorPrint, color: str) -> str:
+    """How much of a color is needed, and where it goes."""
+    tool = result.settings.black_tool if color == "black" else 1 - result.settings.black_tool
+    sides = ("right", "left") if result.settings.printer_profile.marlin is None else ()
+    place = f", {sides[tool]} nozzle" if sides else ""
+    return f"{result.report['filament'][f'tool{tool}_g']:.1f} g {color} (tool {tool}{place})"
 
 
 def _solid_regions(solid: dict[str, float]) -> str:

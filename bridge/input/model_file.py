@@ -17,8 +17,9 @@ from .mesh_input import evaluated_mesh
 
 UP_AXIS = {".blend": "z", ".obj": "y", ".stl": "z", ".ply": "z", ".glb": "y", ".gltf": "y"}
 """The axis that usually points up in each kind of file."""
+_OTHER_MODELS = (".3mf", ".amf", ".step", ".stp", ".fbx", ".dae", ".usd", ".usdc", ".usdz")
 _OTHER_KINDS = {
-    **dict.fromkeys((".3mf", ".step", ".stp", ".fbx", ".usdz"), "open it elsewhere and save it as .stl, .obj or .glb"),
+    **dict.fromkeys(_OTHER_MODELS, "open it elsewhere and save it as .stl, .obj or .glb"),
     **dict.fromkeys(
         (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp"),
         "dualcolor plate puts pictures on plates; --texture puts one on a model",
@@ -106,7 +107,8 @@ def check_file(path: Path, alone: bool) -> None:
     kind = path.suffix.lower()
     if kind not in UP_AXIS:
         hint = _OTHER_KINDS.get(kind, f"known kinds are {', '.join(UP_AXIS)}")
-        raise PrintError(f"{path} is not a model file", hint)
+        what = "is of a kind that cannot be read" if kind in _OTHER_MODELS else "is not a model file"
+        raise PrintError(f"{path} {what}", hint)
     if not path.is_file():
         raise PrintError(f"there is no file {path}")
     if not path.stat().st_size:

@@ -58,7 +58,7 @@ def test_a_print_writes_all_that_was_asked_for(box, tmp_path, capfd):
     assert err == ""
     first, *others = out[out.index("box: ") :].splitlines()  # inside Blender, its own greeting may come before
     assert first == "box: 20.0 × 20.0 × 20.0 mm, 40 layers, 39 tool changes"
-    assert all(line.startswith(("print time", "wrote", "warning:")) for line in others)
+    assert all(line.startswith(("print time", "filament: ", "wrote", "warning:")) for line in others)
     assert all(f"wrote {path}" in out for path in outputs.values())
     assert {path.name for path in tmp_path.iterdir()} == {"box.obj", *(path.name for path in outputs.values())}
     report = json.loads(outputs["report"].read_text())
@@ -219,6 +219,26 @@ def test_a_model_keeps_its_pictures_and_a_print_its_tone_table(box, tmp_path, re
     table.write_bytes((ROOT / "presets/calibration/offset/set_back_fine.json").read_bytes())
     own = ["--set", "calibration=file", "--set", f"calibration_file={table}"]
     assert "table.json is read by this job" in refused("print", box, *FAST, *own, "--report", table)
+
+
+@pytest.mark.parametrize(
+    ("options", "places"),
+    [
+        ([], ["g black (tool 0, right nozzle)", "g white (tool 1, left nozzle)"]),
+        (["--set", "black_tool=1"], ["g black (tool 1, left nozzle)", "g white (tool 0, right nozzle)"]),
+        (["--preset", "marlin_dual"], ["g black (tool 0)", "g white (tool 1)"]),
+    ],
+)
+def test_it_says_which_filament_goes_where(box, tmp_path, capfd, options, places):
+    report = tmp_path / "box.json"
+    assert cli.main(["print", str(box), *FAST, *options, "--report", str(report)]) == 0
+    lines = capfd.readouterr().out.splitlines()
+    found = json.loads(report.read_text())
+    shown = next(line for line in lines if line.startswith("filament: "))
+    for place in places:
+        assert f"{found['filament'][f'tool{place[14]}_g']:.1f} {place}" in shown
+    time, heating = found["time_s"]["total"] / 60, found["time_s"]["heating"] / 60
+    assert f"print time {time:.0f} min after about {heating:.0f} min of heating" in lines
 
 
 def test_without_an_output_it_says_so(box, capfd):
