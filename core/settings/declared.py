@@ -1,12 +1,15 @@
-"""How a setting is declared, with all that panels and validation need, and how a value is checked against it."""
+"""How a setting is declared, with all that panels and validation need, and how values are checked against it."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import Field, field
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import Field, field, fields, replace
+from typing import Any, Self
 
 from ..errors import SettingsError
+from ..records import dataclass
+from .suggestions import hint_for
 
 
 def setting(
@@ -25,6 +28,35 @@ def setting(
     """
     metadata = {"description": description, "unit": unit, "low": low, "high": high, "choices": choices, "group": group}
     return field(default=default, metadata=metadata)
+
+
+@dataclass(frozen=True)
+class Declared:
+    """A record whose fields are declared by `setting`; their values are checked and converted when it is made.
+
+    Raises:
+        SettingsError: a value does not fit its declaration.
+    """
+
+    def __post_init__(self) -> None:
+        for declared in fields(self):
+            object.__setattr__(self, declared.name, checked(declared, getattr(self, declared.name)))
+
+    def as_dict(self) -> dict[str, Any]:
+        """All settings by name, JSON-ready."""
+        return {declared.name: getattr(self, declared.name) for declared in fields(self)}
+
+    def changed(self, values: Mapping[str, Any]) -> Self:
+        """A copy with some settings changed; text such as "0.2" or "true" is understood.
+
+        Raises:
+            SettingsError: an unknown name or a value that does not fit.
+        """
+        known = {declared.name: declared for declared in fields(self)}
+        for name in values:
+            if name not in known:
+                raise SettingsError(f"there is no setting named {' '.join(name.split()):.60}", hint_for(name, known))
+        return replace(self, **{name: checked(known[name], value) for name, value in values.items()})
 
 
 def checked(declared: Field[Any], value: Any) -> Any:

@@ -5,16 +5,12 @@ The sidebar's properties, the command line and the header of the G-code are all 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import fields, replace
 from functools import partial
-from typing import Any
 
 from ..errors import SettingsError
 from ..records import dataclass
-from .declared import checked, setting
+from .declared import Declared, setting
 from .printer import PrinterProfile, printer_names, printer_profile
-from .suggestions import hint_for
 
 # Groups beside `print`; they decide which settings a preset of each kind holds (`presets.KINDS`).
 _printer = partial(setting, group="printer")
@@ -25,7 +21,7 @@ _preview = partial(setting, group="preview")
 
 
 @dataclass(frozen=True)
-class PrintSettings:
+class PrintSettings(Declared):
     """What to print and how; immutable, validated when made. Lengths are mm, temperatures °C, angles degrees.
 
     Raises:
@@ -250,12 +246,9 @@ class PrintSettings:
     )
     retract_before_travel: float = setting(1.5, "Shorter travels do not retract", "mm", 0.0, 50.0)
     wipe: float = setting(
-        0.0,
-        "Distance to move back over the line just printed while retracting; 0 wipes on the tower only",
-        "mm",
-        0.0,
-        10.0,
-    )
+        0.0, "Distance to move back over the line just printed while retracting; 0 wipes on the tower only", "mm",
+        0.0, 10.0,
+    )  # fmt: skip
     z_hop: float = setting(0.0, "Lift on travels with retraction", "mm", 0.0, 5.0)
     z_hop_toolchange: float = setting(0.4, "Lift at a tool change", "mm", 0.0, 5.0)
 
@@ -289,8 +282,7 @@ class PrintSettings:
     sag: float = _preview(0.3, "How far a strand sinks at most where nothing carries it", "mm", 0.0, 2.0)
 
     def __post_init__(self) -> None:
-        for declared in fields(self):
-            object.__setattr__(self, declared.name, checked(declared, getattr(self, declared.name)))
+        super().__post_init__()
         if self.wave_depth_min > self.wave_depth_max:
             raise SettingsError("wave_depth_min is greater than wave_depth_max", "make the minimum the smaller one")
 
@@ -317,19 +309,3 @@ class PrintSettings:
     def wave_crest(self) -> float:
         """How far waves stand out of the outline at most, mm."""
         return 0.0 if self.pattern == "offset" else self.wave_depth_max / 2
-
-    def as_dict(self) -> dict[str, Any]:
-        """All settings by name, JSON-ready."""
-        return {declared.name: getattr(self, declared.name) for declared in fields(self)}
-
-    def changed(self, values: Mapping[str, Any]) -> PrintSettings:
-        """A copy with some settings changed; text such as "0.2" or "true" is understood.
-
-        Raises:
-            SettingsError: an unknown name or a value that does not fit.
-        """
-        known = {declared.name: declared for declared in fields(self)}
-        for name in values:
-            if name not in known:
-                raise SettingsError(f"there is no setting named {' '.join(name.split()):.60}", hint_for(name, known))
-        return replace(self, **{name: checked(known[name], value) for name, value in values.items()})
