@@ -53,20 +53,22 @@ def _walk(
     state = _chord(x[:2], y[:2], tolerance)
     going = np.searchsorted(-count, -np.arange(2, count[0] + 1), side="right")
     for row, pieces in enumerate(going.tolist(), 1):
-        state = [values[:pieces] for values in state]
-        from_x, from_y, along_x, along_y, far, reach, most, least = state
+        from_x, from_y, along_x, along_y, far, reach, most, least = (values[:pieces] for values in state)
         off_x, off_y = x[row + 1, :pieces] - from_x, y[row + 1, :pieces] - from_y
-        ahead = off_x * along_x + off_y * along_y
-        slope = (off_y * along_x - off_x * along_y) / ahead
-        ended = (ahead < far) | (slope > most) | (slope < least)
-        beside = reach / ahead
-        np.minimum(most, slope + beside, out=most)
-        np.maximum(least, slope - beside, out=least)
+        ahead = off_x * along_x
+        ahead += off_y * along_y
+        slope = off_y * along_x
+        slope -= off_x * along_y
+        slope /= ahead
+        ended = np.flatnonzero((ahead < far) | (slope > most) | (slope < least))
+        beside = np.divide(reach, ahead, out=off_x)
+        np.minimum(most, np.add(slope, beside, out=off_y), out=most)
+        np.maximum(least, np.subtract(slope, beside, out=slope), out=least)
         far[:] = ahead
-        begun = _chord(x[row : row + 2, :pieces], y[row : row + 2, :pieces], tolerance)
+        begun = _chord(x[row : row + 2].take(ended, axis=1), y[row : row + 2].take(ended, axis=1), tolerance)
         for values, anew in zip(state, begun, strict=True):
-            np.putmask(values, ended, anew)
-        ends[row, :pieces] = ended
+            values[ended] = anew
+        ends[row, ended] = True
     keep[index[ends]] = True
 
 

@@ -94,7 +94,7 @@ def test_only_a_few_layers_are_made_anew(made):
     assert result.moves.position.flags.f_contiguous  # axis by axis, as the later stages read it
 
 
-def test_a_layer_of_the_same_colour_begins_where_the_fresh_one_below_it_ends():
+def test_a_layer_of_the_same_color_begins_where_the_fresh_one_below_it_ends():
     settings = PrintSettings().changed({"mostly_white_below": 99, "z_hop": 0.4, "slowdown_below_layer_time": 0.0})
     cache, tone = StageCache(), PICTURE.tone.copy()
     tone[19] = 0.2
