@@ -1,4 +1,4 @@
-"""Cutting and linking in bands of layers, so that a large job never holds all its cuts with all that they need."""
+"""Cuts a mesh and links the cuts in bands of layers, so that memory does not grow with the number of cuts."""
 
 from __future__ import annotations
 
@@ -18,15 +18,19 @@ _MOST_CUTS = 1 << 19
 def linked_outlines(
     mesh: TriangleMesh, planes: FloatArray, gap_closing_radius: float, most_cuts: int = _MOST_CUTS
 ) -> tuple[Outlines, IntArray]:
-    """The loops of all layers and the layers in which a chain is left open, as `link` gives them.
+    """Cut a mesh with all planes and link the cuts into closed loops.
 
-    If there are any, walls inside the solid and fins on it are not cut, where fewer layers are open without them.
+    If some layers stay open, this is done again without the walls inside the solid and the fins on its outside; the
+    result with fewer open layers counts.
 
     Args:
         mesh: F faces.
         planes: (L,) mm, increasing.
         gap_closing_radius: mm, see `link`.
         most_cuts: of faces with planes that are worked on at once; a layer with more is a band of its own.
+
+    Returns:
+        The loops, and (K,) the layers in which an open chain had to be left out, as `link` returns them.
     """
     loops, left_open = _linked(mesh, planes, gap_closing_radius, most_cuts)
     inner = inner_walls(mesh) if len(left_open) else left_open

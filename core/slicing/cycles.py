@@ -1,4 +1,8 @@
-"""Permutations taken apart into cycles: walks from ruler to ruler, then pointer jumping over the few rulers."""
+"""The cycles of a permutation, found for all cycles at once by list ranking with a ruling set.
+
+A sixteenth of the members are rulers. From every ruler one walks to the next one, all walks in step. Then only the
+rulers are left to be ranked, by pointer jumping: each looks twice as far ahead in every round.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +20,15 @@ _SCATTER = 0x9E3779B1  # odd, with bits all over, so that rulers do not follow t
 
 @dataclass(frozen=True)
 class _Walks:
-    """Walks from each of R members, the rulers, to the next one.
+    """R walks along the permutation, each from one ruler to the next.
 
     Attributes:
-        ruler: (R,) where each begins.
-        following: (R,) number of the ruler that each comes to.
+        ruler: (R,) the member at which each walk begins.
+        following: (R,) the walk that begins where each one ends.
         length: (R,) steps.
-        least: (R,) member of those passed, the ruler included.
-        strides: for every eight steps, the first to the eighth, the ninth on and so forth: numbers (n,) of the
-            rulers still on their way, and (8, n) the members passed, no less than S for who has arrived.
+        least: (R,) the least member that each passes, its ruler included.
+        strides: a pair for each eight steps: (n,) the walks that have not ended before them, and (8, n) the members
+            that these pass, step by step; numbers from S on once a walk has ended.
     """
 
     ruler: IntArray
@@ -42,8 +46,8 @@ def cycles(successor: IntArray, layer: IntArray) -> tuple[IntArray, IntArray]:
         layer: (S,) one number for all members of a cycle.
 
     Returns:
-        (S,) the members cycle by cycle, each from its least one on: by their layers, then by their least members; and
-        (M + 1,) where each of M cycles starts.
+        (S,) the members cycle by cycle, each cycle from its least member on, and (M + 1,) where each of M cycles
+        starts. Cycles are ordered by layer, those of a layer by their least members.
     """
     count = len(successor)
     walks = _walks(successor, _rulers(count))
@@ -68,7 +72,7 @@ def cycles(successor: IntArray, layer: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def _rulers(count: int) -> IntArray:
-    """Some members of a permutation of `count`, one somewhere among each few; all if there are not many."""
+    """(R,) members to be rulers: one of each sixteen in a row, scattered; all members if there are few."""
     if count < _MANY:
         return np.arange(count)
     number = np.arange(count // _APART)
@@ -76,7 +80,7 @@ def _rulers(count: int) -> IntArray:
 
 
 def _walks(successor: IntArray, ruler: IntArray) -> _Walks:
-    """From each of some rulers to the next one, all at once; what is in cycles without becomes a ruler too."""
+    """Walk from each ruler to the next one, all at once; members of cycles without a ruler become rulers too."""
     count = len(successor)
     name = np.arange(count)
     name[ruler] = count + np.arange(len(ruler))
@@ -113,7 +117,7 @@ def _walks(successor: IntArray, ruler: IntArray) -> _Walks:
 
 
 def _steps_to_least(walks: _Walks, chief: IntArray) -> IntArray:
-    """(R,) after how many steps the walks `chief` pass their least member; 0 for the others."""
+    """(R,) the step at which each of the walks `chief` passes its least member; 0 for all other walks."""
     steps = np.zeros_like(walks.ruler)
     wanted = np.full_like(walks.ruler, -1)
     wanted[chief] = walks.least[chief]
@@ -126,12 +130,15 @@ def _steps_to_least(walks: _Walks, chief: IntArray) -> IntArray:
 
 
 def _jumped(successor: IntArray, value: IntArray, length: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Of N members of cycles: the one of least value in the cycle, how far each comes after it, how long the cycle is.
+    """Rank the members of all cycles of a permutation by pointer jumping.
 
     Args:
         successor: (N,) a permutation.
-        value: (N,) no two alike.
-        length: (N,) of the steps to the successors.
+        value: (N,) distinct numbers; the least of each cycle marks its first member.
+        length: (N,) of the step from each member to its successor.
+
+    Returns:
+        (N,) the first member of each one's cycle, (N,) the length from there to each, and (N,) the cycle's length.
     """
     low, jump = value, successor
     while True:

@@ -8,15 +8,15 @@ from ..model import IntArray
 
 
 def faces_beyond(key: IntArray, number: IntArray, slots: int) -> IntArray:
-    """The face across each edge that leads up, seen from its own face.
+    """Which face lies beyond each edge that leads up.
 
     The edge that leads up in one face leads down in the other. Where an edge has several of either, as where solids
     touch, the k-th goes with the k-th.
 
     Args:
         key: (E,) the same for an edge and for the same edge seen from beyond.
-        number: (E,) 2 f or 2 f + 1 for edges of face f, no two of those that lead up alike; for these with the bit
-            `slots.bit_length()` set.
+        number: (E,) 2 f or 2 f + 1 for an edge of face f. Those of edges that lead up are distinct, and have the bit
+            `slots.bit_length()` set besides.
         slots: twice the number of faces.
 
     Returns:
@@ -47,7 +47,7 @@ def faces_beyond(key: IntArray, number: IntArray, slots: int) -> IntArray:
 
 
 def _rank_in_group(ordered: IntArray) -> IntArray:
-    """(N,) how many equal ones come before each of some sorted numbers."""
+    """(N,) how many equal numbers stand before each of N sorted ones."""
     index = np.arange(len(ordered))
     fresh = np.append(True, ordered[1:] != ordered[:-1])[: len(ordered)]
     return np.asarray(index - np.maximum.accumulate(np.where(fresh, index, 0)))

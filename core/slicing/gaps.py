@@ -1,4 +1,4 @@
-"""Open chains of segments → closed outlines where gaps are small: for holes, cracks, faces turned the wrong way."""
+"""Closes small gaps: open chains of segments, as holes, cracks and flipped faces leave them, become outlines."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .intersect import Segments
 
 
 def close_chains(segments: Segments, reach: float) -> tuple[Segments, IntArray]:
-    """Join chains whose ends are near each other, nearest first, whichever way round they run; leave out the rest.
+    """Join chains at ends that are near each other, nearest first, whichever way they run; leave out the rest.
 
-    Every segment is looked at in both directions: s runs as it was cut, s + S backwards. An end that finds no partner
-    turns round there, so a chain that stays open becomes a cycle that passes its segments in both directions, which a
-    closed outline never does.
+    Every segment is there in both directions: number s runs as it was cut, number s + S backwards. So every chain has
+    a mirror image. A loose end without a partner is joined to its own image: the chain and its image become one cycle,
+    which shows that it is open, for a closed outline and its image are two.
 
     Args:
         segments: S of all layers.
@@ -42,7 +42,7 @@ def close_chains(segments: Segments, reach: float) -> tuple[Segments, IntArray]:
 
 
 def _both_ways(successor: IntArray) -> IntArray:
-    """(2S,) successors of the segments as they are and of the segments turned round, -1 at loose ends."""
+    """(2S,) successors of the segments as they were cut, then of those that run backwards; -1 at loose ends."""
     count = len(successor)
     both = np.full(2 * count, -1, dtype=np.int64)
     both[:count] = successor
@@ -52,7 +52,7 @@ def _both_ways(successor: IntArray) -> IntArray:
 
 
 def _nearest_pairs(points: FloatArray, layer: IntArray, reach: float) -> IntArray:
-    """(E,) the end that each end is joined to, -1 for none: those nearest to each other first, of the same layer."""
+    """(E,) the loose end of the same layer that each is joined to, the nearest pairs first; -1 for none."""
     partner = np.full(len(points), -1, dtype=np.int64)
     # Layers side by side, too far apart to meet: one tree for all.
     pitch = float(np.ptp(points[:, 0])) + 4 * reach + 1 if len(points) else 1.0
@@ -74,7 +74,7 @@ def _nearest_pairs(points: FloatArray, layer: IntArray, reach: float) -> IntArra
 
 
 def _one_way(segments: Segments, going_on: IntArray, length: FloatArray) -> tuple[Segments, IntArray]:
-    """Of each outline and its mirror image the one that keeps more of the segments, `length` (S,), as they were cut."""
+    """Of each outline and its mirror image the one along which more mm of the segments (S,) run as they were cut."""
     count = len(going_on) // 2
     order, start = cycles(going_on, np.tile(segments.layer, 2))
     root = np.empty_like(order)

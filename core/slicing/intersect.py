@@ -19,7 +19,7 @@ _CODE_BITS, _AROUND_HIGHEST = 5, 2  # see `ends_of`
 
 
 def _codes() -> tuple[IntArray, IntArray]:
-    """Lower and upper corner, 0 to 2, of the edges with the codes of `ends_of`."""
+    """(32,) lower and (32,) upper corner, 0 to 2, for every value of the five bits of an edge, see `ends_of`."""
     code = np.arange(1 << _CODE_BITS)
     bottom, rising, around_highest, ends = code >> 3, (code >> 2) & 1, (code >> 1) & 1, code & 1
     side, top = (bottom + 2 - rising) % 3, (bottom + 1 + rising) % 3
@@ -52,12 +52,12 @@ class Segments:
 
     @property
     def face(self) -> IntArray:
-        """(S,) that was cut."""
+        """(S,) the face that each was cut from."""
         return faces_of(self.tail)
 
     @property
     def points(self) -> FloatArray:
-        """(S, 2, 2) mm, both ends."""
+        """(S, 2, 2) mm, x and y of both ends."""
         plane, columns = self.planes[self.layer], columns_of(self.mesh)
         ends = [cut_edges(*columns, *ends_of(edge), plane)[0] for edge in (self.tail, self.tail ^ 1)]
         return np.stack(ends, axis=1).view(np.float64).reshape(-1, 2, 2)
@@ -65,19 +65,20 @@ class Segments:
 
 @dataclass(frozen=True)
 class Crossings:
-    """Which layers cut each of N faces through which of its edges.
+    """Which layers cut each of N faces, and through which of its edges.
 
-    From `low` on they cut it around its lowest corner, from `middle` on around its highest one.
+    Layers from `low` to before `middle` separate its lowest corner from the other two, layers from `middle` to before
+    `high` its highest one.
 
     Attributes:
         mesh: F faces.
         planes: (L,) mm, increasing.
-        low: (N,) int64, the lowest layer.
-        middle: (N,) int64, the lowest layer above the middle corner.
-        high: (N,) int64, the layer above them all.
-        edge: (N,) int64, the one that the cuts around the lowest corner start on, see `ends_of`.
-        beyond: (N, 2) int64, the face where the cuts around the lowest and around the highest corner go on, -1 for
-            none.
+        low: (N,) int64, the lowest layer that cuts the face.
+        middle: (N,) int64, the lowest layer above its middle corner.
+        high: (N,) int64, the lowest layer above all of it.
+        edge: (N,) int64, the edge on which cuts around the lowest corner start, see `ends_of`.
+        beyond: (N, 2) int64, the faces in which the cuts around the lowest and around the highest corner continue, -1
+            for none.
     """
 
     mesh: TriangleMesh
@@ -89,13 +90,13 @@ class Crossings:
     beyond: IntArray
 
     def between(self, low: int, high: int) -> Crossings:
-        """What is cut by the layers from `low` to the one before `high`."""
+        """The cuts by the layers from `low` to the one before `high`."""
         some = np.flatnonzero((self.low < high) & (self.high > low))
         first, middle, end = (np.clip(level[some], low, high) for level in (self.low, self.middle, self.high))
         return Crossings(self.mesh, self.planes, first, middle, end, self.edge[some], self.beyond[some])
 
     def segments(self) -> Segments:
-        """The cuts, face by face and upwards in each."""
+        """The cuts, face by face, each from its lowest layer up."""
         # The cuts of a face stand in a row, so the one that goes on is found by the face beyond and the layer.
         count = self.high - self.low
         begin = starts(count)[:-1] - self.low
@@ -141,18 +142,19 @@ def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
 
 
 def _cuts(vertex: IntArray, bits: int, slots: int, faces: IntArray, face: IntArray) -> tuple[IntArray, ...]:
-    """How planes cut some faces, and the edges that lead past a plane.
+    """Which planes cut some faces, and the edges of these that planes cut.
 
     Args:
-        vertex: (V,) the level of each, its number in `bits` bits, and two bits for the corner of a face.
-        bits: see above.
+        vertex: (V,) each vertex in one number: its level, then its index in `bits` bits, then two bits for the corner
+            of a face, which are 0 here.
+        bits: that hold any index.
         slots: see `faces_beyond`.
-        faces: (N, 3)
-        face: (N,) their numbers.
+        faces: (N, 3) vertices.
+        face: (N,) number of each face.
 
     Returns:
-        Three levels and an edge for each face that is cut, as in `Crossings`, and keys and numbers of edges as
-        `faces_beyond` takes them.
+        `low`, `middle`, `high` and `edge` of each face that is cut, as in `Crossings`, and keys and numbers of edges
+        as `faces_beyond` takes them.
     """
     corners = vertex.take(faces)
     unlike = (corners[:, 0] ^ corners[:, 1]) | (corners[:, 1] ^ corners[:, 2])
@@ -186,20 +188,21 @@ def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:
 def ends_of(edge: IntArray) -> tuple[IntArray, IntArray]:
     """Lower and upper corner (N,) of edges (N,) that planes cut; corner k of face f has the number 3 f + k.
 
-    An edge is the number of the face and five bits: which corner is the lowest, whether the middle one comes after it,
-    whether the edge is cut around the highest corner, and whether a cut ends there.
+    An edge is named by its use in a cut. The number of the face is followed by five bits: its lowest corner (two bits),
+    whether the middle corner follows that one, whether the cut goes around the highest corner, and whether it ends on
+    this edge rather than starts there.
     """
     code, face = edge & (len(_LOW) - 1), 3 * (edge >> _CODE_BITS)
     return face + _LOW.take(code), face + _HIGH.take(code)
 
 
 def faces_of(edge: IntArray) -> IntArray:
-    """(N,) faces of edges (N,)."""
+    """(N,) the faces of edges (N,), see `ends_of`."""
     return edge >> _CODE_BITS
 
 
 def columns_of(mesh: TriangleMesh) -> tuple[IntArray, NDArray[np.complex128], FloatArray]:
-    """(3F,) vertices of the corners, (V,) x + iy and z of the vertices: numbers in one piece are read much faster."""
+    """(3F,) vertex of each corner, (V,) x + iy and (V,) z of the vertices; contiguous columns are read much faster."""
     return mesh.faces.ravel(), complex_uv(mesh.vertices[:, :2]), mesh.vertices[:, 2].copy()
 
 
@@ -211,7 +214,15 @@ def cut_edges(
     high: IntArray,
     plane: FloatArray,
 ) -> tuple[NDArray[np.complex128], FloatArray]:
-    """Where planes meet edges from some corners (N,) up to others, see `columns_of`.
+    """Where planes meet edges.
+
+    Args:
+        vertex: (3F,) see `columns_of`.
+        place: (V,) likewise.
+        height: (V,) likewise.
+        low: (N,) corner at the lower end of each edge.
+        high: (N,) corner at its upper end.
+        plane: (N,) mm.
 
     Returns:
         (N,) x + iy, the same to the last digit for all faces of an edge, and (N,) the share of the way up.
@@ -226,7 +237,7 @@ def cut_edges(
 
 
 def between(column: NDArray[Any], begin: IntArray, end: IntArray, share: FloatArray) -> NDArray[Any]:
-    """(N,) values of a column, real or complex, the share of the way from one row to another."""
+    """(N,) values of a column, real or complex, interpolated: at a share of the way from row `begin` to row `end`."""
     base, value = column.take(begin), column.take(end)
     value -= base
     value *= share

@@ -50,7 +50,7 @@ def _cut(segments: Segments, edge: IntArray, plane: FloatArray) -> tuple[FloatAr
 
 
 def _carried(segments: Segments, tail: IntArray, shares: tuple[FloatArray, FloatArray]) -> FloatArray:
-    """(N, 2, C) u, v and, if there is any, tone at both ends of segments, at shares (N,) of the edges there."""
+    """(N, 2, C) u, v and, if there is any, tone at both ends of segments, which lie at `shares` (N,) of their edges."""
     mesh, count = segments.mesh, len(tail)
     uv = complex_uv(mesh.face_uv).ravel()
     tone = None if np.isnan(mesh.face_tone).all() else mesh.face_tone.ravel()

@@ -1,4 +1,4 @@
-"""Layers with outlines that do not close: which of them a print can do without, and messages about the others."""
+"""Layers with outlines that do not close: refused where nothing could be printed, else told in warnings."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ class Outlines:
         return self._of(np.flatnonzero(np.repeat(keep, self.count)), self.count[keep], self.layer[keep])
 
     def reduced(self, keep: BoolArray, point: BoolArray, count: IntArray) -> Outlines:
-        """Of the loops that `keep` (M,) marks the points that `point` (N,) marks, `count` (M,) of each loop."""
+        """The loops that `keep` (M,) marks, with only the points that `point` (N,) marks: `count` (M,) of each loop."""
         if keep.all() and point.all():
             return self
         if not keep.any():
@@ -77,7 +77,7 @@ class Outlines:
         return self._of(np.flatnonzero(np.repeat(keep, self.count) & point), count[keep], self.layer[keep])
 
     def _of(self, point: IntArray, count: IntArray, layer: IntArray) -> Outlines:
-        """Loops of some of the points, `count` (M,) each."""
+        """Loops made of some of the points, `count` (M,) each."""
         # `take` is several times as fast as indexing where each row holds a few numbers.
         points, carried = self.points.take(point, axis=0), self.carried.take(point, axis=0)
         return Outlines(points, starts(count), layer, self.face.take(point), carried)
@@ -89,7 +89,7 @@ class Outlines:
         return Outlines(self.points[points], start, self.layer[first:last], self.face[points], self.carried[points])
 
     def reversed(self, turn: BoolArray) -> Outlines:
-        """The loops that `turn` (M,) marks run the other way round."""
+        """The same loops, those that `turn` (M,) marks the other way round."""
         if not turn.any():
             return self
         turned = np.repeat(turn, self.count)
@@ -103,7 +103,7 @@ class Outlines:
         return Outlines(self.points.take(point, axis=0), self.start, self.layer, self.face.take(arriving), carried)
 
     def runs(self, keep: BoolArray) -> list[Outlines]:
-        """Views of the loops that `keep` (M,) marks, those that follow one another in one."""
+        """The loops that `keep` (M,) marks, as views: one for each run of consecutive loops."""
         bounds = np.flatnonzero(np.diff(keep.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
         return [self.between(first, last) for first, last in bounds.tolist()]
 
@@ -127,6 +127,6 @@ class Outlines:
 
 
 def interpolated(ends: FloatArray, share: FloatArray) -> FloatArray:
-    """(N, …) values between both ends of segments (N, 2, …), the share (N,) of the way, at most all of it."""
+    """(N, …) values interpolated between both ends of segments (N, 2, …), at a share (N,) of the way, at most 1."""
     share = np.clip(share, 0, 1)[:, None]
     return np.asarray(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]))

@@ -14,7 +14,7 @@ _SMALLEST_MM2 = 0.05
 
 
 def overlaps(outlines: Outlines, mesh: TriangleMesh, layers: int) -> IntArray:
-    """(K, 3) pairs of objects that have room in common, and in how many layers.
+    """(K, 3) pairs of objects that overlap, and in how many layers they do.
 
     Args:
         outlines: loops of all objects, each of one object alone: not united yet.

@@ -1,4 +1,4 @@
-"""Where the layers lie."""
+"""The stack of layers: where each is cut, how high it is, how wide its lines are."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def layer_stack(object_height: float, settings: PrintSettings) -> Layers:
 def levels(height: FloatArray, plane: FloatArray) -> IntArray:
     """(N,) how many planes (L,) mm, increasing, lie at each height (N,) mm or below it.
 
-    Layers are as thick as each other but for the first, so the number is guessed, and looked up where that is wrong.
+    All layers but the first are equally high, so the number is computed, and searched for only where that is wrong.
     """
     if len(plane) < 3:
         return np.searchsorted(plane, height, side="right")

@@ -29,7 +29,7 @@ class Regions:
     loop_polygon: IntArray
 
     def with_layers_from(self, other: Regions, layers: BoolArray) -> Regions:
-        """These, but those of `other`, which has no more, in the layers that `layers` (L,) marks."""
+        """These regions, with those of `other` in the layers that `layers` (L,) marks, the only ones that it has."""
         stay = ~layers[self.outlines.layer]
         layer = np.concatenate([self.polygon_layer, other.polygon_layer])
         kept = np.flatnonzero(np.append(~layers[self.polygon_layer], np.ones(len(other.polygons), dtype=bool)))
@@ -78,7 +78,7 @@ def polygons_of(outlines: Outlines, rings: IntArray, start: IntArray) -> NDArray
 
 
 def ring_polygons(points: FloatArray, loop_start: IntArray, rings: IntArray, start: IntArray) -> NDArray[np.object_]:
-    """(K,) shapely polygons of loops (N, 2) that do not repeat their first points; `rings` and `start` as above."""
+    """(K,) shapely polygons of rings that do not repeat their first points; arguments as of `polygons_of`."""
     if not len(rings):
         return np.zeros(0, dtype=object)
     count = np.diff(loop_start)[rings] + 1
@@ -91,7 +91,7 @@ def ring_polygons(points: FloatArray, loop_start: IntArray, rings: IntArray, sta
 
 
 def containers(outlines: Outlines) -> tuple[IntArray, IntArray]:
-    """Pairs (inner, outer) of loops of one layer of which the second surrounds the first point of the first.
+    """Pairs (inner, outer) of loops of one layer: the outer one surrounds the first point of the inner one.
 
     Args:
         outlines: M loops that do not cross each other.

@@ -87,7 +87,7 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
 
 
 def _crossing(regions: NDArray[np.object_]) -> BoolArray:
-    """(L,) the layers with loops that cross each other or themselves, from their regions (L,)."""
+    """(L,) which layers have loops that cross each other or themselves: their regions (L,) are not valid."""
     (valid,) = in_chunks(lambda some: (shapely.is_valid(some),), regions, rows=_LAYERS_AT_ONCE)
     return ~valid
 
@@ -103,7 +103,7 @@ def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: Pr
 
 
 def _mended(outlines: Outlines, crossing: BoolArray, shortest: float) -> tuple[Regions, NDArray[np.object_]]:
-    """The regions of the layers with loops that cross, which `crossing` (L,) marks, and one multipolygon for each."""
+    """The regions of the layers that `crossing` (L,) marks, once their loops are united, and a multipolygon of each."""
     loops = outlines.selected(crossing[outlines.layer])
     apart, touching = uncrossed(loops)
     solid = regions_of(cleaned(apart, shortest)[0])
@@ -124,7 +124,7 @@ def _united_where(outlines: Outlines, crossing: BoolArray, shortest: float) -> O
 
 
 def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
-    """Without segments of no length, loops of no area and loops that are less than `shortest` mm long.
+    """Leave out segments without length, loops without area and loops shorter than `shortest` mm.
 
     Returns:
         The outlines, and the loops with an area that were too short.

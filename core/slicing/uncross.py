@@ -1,4 +1,4 @@
-"""Loops that cross: cut where they do and joined the other way, so that none crosses another one or itself."""
+"""Removes crossings of loops: cut where they cross and joined the other way, as winding numbers allow."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _PAIRS_AT_ONCE = 1 << 18
 
 
 def uncrossed(outlines: Outlines) -> tuple[Outlines, IntArray]:
-    """Loops along the same lines in the same directions, but where two lines cross, each goes on as the other one.
+    """Where two lines cross, let each continue along the other; lines and directions stay as they are.
 
-    Every place is wound around as often as before. What only touches or lies on one another stays as it is, and
+    So the winding number of every place stays as it was. Loops that only touch or lie on one another are left, and
     rounding may make new crossings: whoever needs loops without any has to look again.
 
     Args:
@@ -52,10 +52,12 @@ def uncrossed(outlines: Outlines) -> tuple[Outlines, IntArray]:
 
 
 def _crossings(outlines: Outlines) -> tuple[IntArray, FloatArray, FloatArray, IntArray]:
-    """Segments (2K,) and shares (2K,) of K places (K, 2) where the insides of two segments of a layer cross.
+    """Where the insides of two segments of a layer cross: K places.
 
-    The first of the two segments of each come first, in the order of the places, then the second ones. Last come the
-    layers in which an end of one segment lies on another one.
+    Returns:
+        (2K,) segments, the first of each crossing's two, then the second of each; (2K,) the share of each segment's
+        length at which it is crossed; (K, 2) mm, the places; and the layers in which an end of one segment lies on
+        another one.
     """
     tails, heads = outlines.points, outlines.ends
     first, second = _near_pairs(tails, heads, outlines.layer[outlines.loop])
@@ -78,7 +80,7 @@ def _crossings(outlines: Outlines) -> tuple[IntArray, FloatArray, FloatArray, In
 
 
 def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
-    """(N,) how far vectors (N, 2) turn left from one to the other, times both lengths."""
+    """(N,) cross products of vectors (N, 2): above 0 where `other` is to the left of `one`."""
     return np.asarray(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
 
 

@@ -79,9 +79,9 @@ def _taken_over(tail: FloatArray, head: FloatArray, source: Outlines) -> tuple[I
 
 
 def equal_segments(tail: FloatArray, head: FloatArray, tails: FloatArray, heads: FloatArray) -> IntArray:
-    """(N,) the only one of the segments `tails` to `heads` with the same ends, either way round, -1 for none or many.
+    """(N,) the segment from `tails` to `heads` with the same ends, either way round; -1 if there is none or several.
 
-    Most segments cross nothing, and to look for the nearest one takes ten times as long.
+    Most segments cross nothing and are found so, ten times as fast as by looking for the nearest one.
     """
     old, new = _scattered(tails) + _scattered(heads), _scattered(tail) + _scattered(head)
     order = np.argsort(old)
@@ -95,7 +95,7 @@ def equal_segments(tail: FloatArray, head: FloatArray, tails: FloatArray, heads:
 
 
 def _scattered(points: FloatArray) -> NDArray[np.uint64]:
-    """(N,) numbers that tell points (N, 2) apart, and sums of two of them pairs, but for rare chances."""
+    """(N,) hashes of points (N, 2); sums of two tell pairs of points apart, whichever comes first."""
     bits = (points + 0.0).view(np.uint64) * _SCATTER  # a negative zero is a zero
     mixed: NDArray[np.uint64] = (bits[:, 0] ^ (bits[:, 1] >> np.uint64(29))) * _SCATTER[0]
     # Points that mirror each other differ in a single bit up to here, and their differences would cancel out.
