@@ -44,23 +44,37 @@ def margins(settings: PrintSettings) -> tuple[float, ...]:
 
 
 def gaps_between(
-    walls: list[Shapes], steps: list[Moved], width_mm: FloatArray, settings: PrintSettings
+    walls: list[Shapes], steps: list[Moved], straight: Shapes, width_mm: FloatArray, settings: PrintSettings
 ) -> list[Shapes]:
     """What is left between each wall and the next one inside, where that does not fit.
 
     Args:
         walls: (I,) regions bounded by a wall's center line, from the waved outer wall in.
         steps: how each wall but the first came from the one before.
+        straight: (I,) where the outer wall has no wave beside others that do, see `outer_wall.straight_parts`.
         width_mm: (I,) of the lines.
         settings: tell whether the outer wall has waves.
 
     Returns:
         For each wall but the last, (I,) MultiPolygon, mostly empty; see `margins`.
     """
-    return [
+    found = [
         _gaps(outer, inner, step, width_mm, margin)
         for (outer, inner), step, margin in zip(pairwise(walls), steps, margins(settings)[:-1], strict=True)
     ]
+    if found:
+        _keep_off(found[0], straight, width_mm)
+    return found
+
+
+def _keep_off(gaps: Shapes, straight: Shapes, width_mm: FloatArray) -> None:
+    """Take away, in place, what of gaps beside waves (I,) lies under lines without a wave."""
+    rows = np.flatnonzero(~shapely.is_empty(gaps) & ~shapely.is_empty(straight))
+    covered = shapely.buffer(shapely.line_merge(straight[rows]), width_mm[rows] / 2, cap_style="flat", quad_segs=2)
+    parts, owner = shapely.get_parts(shapely.difference(gaps[rows], covered), return_index=True)
+    large = 2 * shapely.area(parts) > _LEAST * width_mm[rows[owner]] * shapely.length(parts)
+    large &= (shapely.area(parts) > _SMALLEST_MM2) & (shapely.get_dimensions(parts) == 2)
+    gaps[rows] = gathered(parts[large], owner[large], len(rows))
 
 
 def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margin: float) -> Shapes:

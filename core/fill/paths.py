@@ -5,6 +5,7 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+import shapely
 
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
@@ -68,17 +69,19 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
     islands = simplified(islands, _ISLAND_MM)
     _, inside, _ = walls_and_fill(islands, line_widths(island_layer, settings), settings)
     known = closed(inside, island_layer, covering(sliced), settings)
-    areas = fill_areas(islands, island_layer, known.skins.regions, known.skins.whole, settings)
+    straight = np.full(len(islands), shapely.MultiLineString(), dtype=object)
+    areas = fill_areas(islands, straight, island_layer, known.skins.regions, known.skins.whole, settings)
     return fill_lines(areas, known.bridges, island_layer, settings)
 
 
 def fill_areas(
-    islands: Shapes, island_layer: IntArray, solid: Shapes, whole: BoolArray, settings: PrintSettings
+    islands: Shapes, straight: Shapes, island_layer: IntArray, solid: Shapes, whole: BoolArray, settings: PrintSettings
 ) -> tuple[Shapes, ...]:
     """What is filled how in each island, whatever the others are.
 
     Args:
         islands: (I,) as in `fill_paths`, but valid ones, simplified.
+        straight: (I,) where the outer wall has no wave beside others that do, see `outer_wall.straight_parts`.
         island_layer: (I,) int64.
         solid: (I,) and
         whole: (I,) bool, where these are to be solid, see `Skins`.
@@ -89,18 +92,20 @@ def fill_areas(
         each wall and the next, and inside the last; skins and sparse fill.
     """
 
-    def chunk(islands: Shapes, layer: IntArray, solid: Shapes, whole: BoolArray) -> tuple[Shapes, ...]:
+    def chunk(
+        islands: Shapes, straight: Shapes, layer: IntArray, solid: Shapes, whole: BoolArray
+    ) -> tuple[Shapes, ...]:
         width = line_widths(layer, settings)
         walls, fill, steps = walls_and_fill(islands, width, settings)
         narrow, fill = narrow_fill(fill, width, settings)
         return (
             *walls,
-            *gaps_between(walls, steps, width, settings),
+            *gaps_between(walls, steps, straight, width, settings),
             narrow,
             *solid_and_sparse(fill, Skins(solid, whole), settings),
         )
 
-    return geos_in_threads(chunk, islands, island_layer, solid, whole)
+    return geos_in_threads(chunk, islands, straight, island_layer, solid, whole)
 
 
 def fill_lines(areas: tuple[Shapes, ...], over_air: Bridges, island_layer: IntArray, settings: PrintSettings) -> Paths:

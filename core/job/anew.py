@@ -21,7 +21,7 @@ from ..sampling.sampling import Samples
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids
-from ..toolpaths.outer_wall import inside_of_lines, inside_of_wall
+from ..toolpaths.outer_wall import inside_of_lines, inside_of_wall, straight_parts
 from .layers import between, joined, runs, spliced
 
 Areas = tuple[Shapes, ...]
@@ -141,10 +141,31 @@ def inside_anew(
     return inside
 
 
+def straight_anew(
+    former: Shapes,
+    fresh: BoolArray,
+    lines: Contours,
+    depth: FloatArray,
+    set_back: FloatArray,
+    polygons: int,
+    settings: PrintSettings,
+) -> Shapes:
+    """As `straight_parts`."""
+    straight = former.copy()
+    for first, last in runs(fresh):
+        loops, points = _places(lines, first, last)
+        some = between(lines, first, last)
+        found = straight_parts(some, depth[points], set_back[points], polygons, settings)
+        own = np.unique(lines.polygon[loops])
+        straight[own] = found[own]
+    return straight
+
+
 def areas_anew(
     former: Areas,
     fresh: BoolArray,
     inside: Shapes,
+    straight: Shapes,
     island_layer: IntArray,
     solid: Shapes,
     whole: BoolArray,
@@ -152,7 +173,7 @@ def areas_anew(
 ) -> Areas:
     """As `fill_areas`."""
     own = np.flatnonzero(fresh[island_layer])
-    found = fill_areas(inside[own], island_layer[own], solid[own], whole[own], settings)
+    found = fill_areas(inside[own], straight[own], island_layer[own], solid[own], whole[own], settings)
     areas = tuple(column.copy() for column in former)
     for column, part in zip(areas, found, strict=True):
         column[own] = part

@@ -23,12 +23,12 @@ from ..supports.grid_overlay import distinct
 from ..supports.paths import Supports, on_bed, supports
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths
-from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths
+from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths, straight_parts
 from ..toolpaths.overhangs import Below, undersides
 from ..toolpaths.raft import raised
 from ..toolpaths.surroundings import ground, shadow, surrounding_paths
 from ..toolpaths.travels import Rooms, rooms
-from .anew import areas_anew, filled_anew, inside_anew
+from .anew import areas_anew, filled_anew, inside_anew, straight_anew
 from .stages import Stages
 from .toolpaths import Surrounded, toolpaths, toolpaths_anew
 from .wall_stages import PaintedWall
@@ -78,9 +78,10 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     island_layer = cut.polygon_layer
     of_wall = (wall.outlines, lines, wall.depth, wall.set_back)
     inside = layered("inside", _inside, inside_anew, of_wall, island_layer, FILL_TOLERANCE)
+    straight = layered("straight parts", straight_parts, straight_anew, of_wall[1:], len(island_layer), settings)
     known = wall.closing.result()
     skins = known.skins.regions, known.skins.whole
-    areas = layered("areas", fill_areas, areas_anew, (inside,), island_layer, *skins, settings)
+    areas = layered("areas", fill_areas, areas_anew, (inside, straight), island_layer, *skins, settings)
     fill = layered("fill", fill_lines, filled_anew, (areas,), known.bridges, island_layer, settings)
     within = rooms(inside, island_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")

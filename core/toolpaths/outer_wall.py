@@ -10,8 +10,11 @@ from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
 from ..pattern.wave import WavedOutlines, valley_lines
-from ..ragged import ahead, preceding, ranges, starts, sums
+from ..ragged import ahead, following, preceding, ranges, starts, sums
+from ..settings import PrintSettings
 from ..slicing.regions import gathered, ring_polygons
+
+_HARDLY_A_WAVE = 1.0  # line widths deep: the strand covers what a straight one would
 
 
 def outer_wall_paths(waved: WavedOutlines) -> Paths:
@@ -86,6 +89,35 @@ def inside_of_wall(
 def inside_of_lines(lines: Contours, moved: FloatArray, polygons: int, tolerance: float) -> Shapes:
     """(I,) what lies inside contours whose points were moved to (N, 2); the rest as in `inside_of_wall`."""
     return _inside(lines.points, moved, lines.start, lines.polygon, polygons, tolerance)
+
+
+def straight_parts(
+    lines: Contours, depth: FloatArray, set_back: FloatArray, polygons: int, settings: PrintSettings
+) -> Shapes:
+    """(I,) MultiLineStrings, where the outer wall of each sliced region has hardly any wave, beside others that do.
+
+    Args:
+        lines: contours that the outlines swing about.
+        depth: (N,) mm, of the wave at each contour point.
+        set_back: (N,) mm.
+        polygons: I.
+        settings: tell whether there are waves at all, without which no part is found.
+    """
+    found = np.full(polygons, shapely.MultiLineString(), dtype=object)
+    if not settings.wave_crest:
+        return found
+    flat = depth < _HARDLY_A_WAVE * lines.width
+    going_on = flat & flat[following(lines.start)]
+    points = lines.points - set_back[:, None] * lines.normal
+    # A piece for each line of a contour: buffers unite them.
+    near, far = points[going_on], ahead(points, lines.start)[going_on]
+    pieces = shapely.linestrings(np.stack([near, far], axis=1))
+    owner = lines.polygon[lines.loop[going_on]]
+    order = np.argsort(owner, kind="stable")
+    rows, row = np.unique(owner[order], return_inverse=True)
+    if len(rows):
+        found[rows] = shapely.multilinestrings(pieces[order], indices=row)
+    return found
 
 
 def _inside(

@@ -98,7 +98,9 @@ def test_random_regions_are_filled_once_and_never_left(pattern):
     sliced = shapes([shapely.unary_union(list(islands[layer == k])) for k in range(12)])
     inside = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1]
     known = closed(inside, layer, covering(sliced), plan)
-    areas = fill_areas(islands, layer, known.skins.regions, known.skins.whole, plan)
+    areas = fill_areas(
+        islands, np.full(len(islands), shapely.MultiLineString()), layer, known.skins.regions, known.skins.whole, plan
+    )
     paths = fill_lines(areas, known.bridges, layer, plan)
     table_is_sound(paths)
     solid, sparse = areas[-2:]

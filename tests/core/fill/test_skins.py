@@ -108,6 +108,14 @@ def test_a_thin_wall_takes_as_much_plastic_as_it_has_room(thickness):
         assert printed_share(thickness, flat) == pytest.approx(1.0, abs=0.03)
 
 
+@pytest.mark.parametrize("thickness", [0.6, 0.8, 1.0, 1.1])
+@pytest.mark.parametrize("pattern", ["wave", "wave_offset"])
+def test_a_wall_too_thin_for_waves_takes_no_more_than_it_has_room(thickness, pattern):
+    """Waves leave pockets that lines in the gaps behind them fill; where there is no wave there are none."""
+    waved = PrintSettings(pattern=pattern, background_tone=0.5, calibration="none")
+    assert printed_share(thickness, waved) == pytest.approx(1.0, abs=0.05)
+
+
 def printed_share(thickness, settings):
     """What a tube takes of the plastic that has room in it."""
     model = lathe([[10 - thickness, 0], [10, 0], [10, 3], [10 - thickness, 3], [10 - thickness, 0]])
