@@ -1,4 +1,4 @@
-"""The pieces of a region's boundary between two neighboring crossings with scan lines."""
+"""The arcs of a region's boundary between neighboring crossings with scan lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Skins over air that is spanned from side to side: where they are, and in which direction they are printed."""
+"""Bridges: skins over air that span it from side to side, and the direction in which their lines run."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def bridges(inside: Shapes, found: Skins, outlines: Shapes, island_layer: IntArr
 
 
 def bridged(found: Bridges, solid: Shapes, sparse: Shapes) -> tuple[Bridges, Shapes, Shapes]:
-    """Share what is filled with bridges.
+    """Take bridges out of the skins and the sparse fill.
 
     Args:
         found: bridges, which may reach beyond what is filled.
@@ -110,7 +110,7 @@ def _over_air(
 
 
 def _directions(parts: Shapes, carrying: Shapes, width_mm: float) -> tuple[BoolArray, FloatArray]:
-    """Which parts are held from two sides, and the direction in which most of their lines are, by the shortest way.
+    """Which parts are held from two sides, and the direction in which most of their lines take the shortest way across.
 
     Args:
         parts: (P,) Polygon.
@@ -157,7 +157,7 @@ def _rectangle_angle(parts: Shapes) -> FloatArray:
 
 
 def _apart(regions: Shapes, island: IntArray) -> Shapes:
-    """Regions of the same island without what an earlier one covers already."""
+    """Regions less what an earlier region of the same island covers already."""
     for row in np.flatnonzero(island[1:] == island[:-1]) + 1:
         earlier = shapely.union_all(regions[:row][island[:row] == island[row]])
         regions[row] = shapely.difference(regions[row], earlier)

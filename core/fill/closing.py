@@ -1,4 +1,4 @@
-"""Skins and bridges, which close the print above and below; they need no tone, so they are found beside the stages."""
+"""Skins and bridges, which close the print above and below; they need no tones, so a second thread finds them."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _COVER_MM = 0.05  # outlines differ by this from the true ones, to see what cove
 
 @dataclass(frozen=True)
 class Closing:
-    """Skins and bridges of I islands, before it is known how far the outer wall leaves them room.
+    """Skins and bridges of I islands, found before it is known how much room the outer wall leaves them.
 
     Attributes:
-        outlines: (L,) cross-section of each layer, as exact as it takes to see what covers what.
+        outlines: (L,) cross-section of each layer, simplified, see `covering`.
         skins: where fill is to be solid.
         bridges: which of it spans air.
     """
@@ -33,9 +33,10 @@ class Closing:
 
 
 def closing(polygons: Shapes, polygon_layer: IntArray, layers: int, settings: PrintSettings) -> Closing:
-    """What closes islands behind an outer wall that no tone sets back.
+    """Skins and bridges behind an outer wall that no tone sets back.
 
-    Behind the wall as it is printed less is left to fill, but for what its roundness and waves that fade leave.
+    That is the most there can be to fill: the wall as it is printed leaves less, apart from slivers at bends and at
+    waves that fade.
 
     Args:
         polygons: (I,) sliced regions.
@@ -51,19 +52,19 @@ def closing(polygons: Shapes, polygon_layer: IntArray, layers: int, settings: Pr
 
 
 def closed(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: PrintSettings) -> Closing:
-    """What closes islands whose region to fill is known, or somewhat less; arguments as of `skins`."""
+    """Skins and bridges of islands whose region to fill, or nearly that, is known; arguments as of `skins`."""
     found = skins(inside, island_layer, outlines, settings)
     return Closing(outlines, found, bridges(inside, found, outlines, island_layer, settings))
 
 
 def covering(sliced: Shapes) -> Shapes:
-    """(L,) cross-sections as exact as it takes to see what covers what."""
+    """(L,) cross-sections, simplified as far as is harmless for telling what covers what."""
     parts, layer = shapely.get_parts(sliced, return_index=True)
     return _layers_of(simplified(parts, _COVER_MM), layer, len(sliced))
 
 
 def _layers_of(shapes: Shapes, layer: IntArray, layers: int) -> Shapes:
-    """(L,) the shapes of each layer, which may meet since they were simplified, in one."""
+    """(L,) one shape of all shapes of each layer, which may overlap since they were simplified."""
     parts, owner = shapely.get_parts(shapes, return_index=True)
     some = ~shapely.is_empty(parts)
     outlines = gathered(parts[some], layer[owner[some]], layers)

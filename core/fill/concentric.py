@@ -16,8 +16,8 @@ _RADIUS_TOLERANCE = 0.02  # of the greatest circle in a part, in spacings
 def nested(regions: Shapes, spacing_mm: float) -> tuple[Shapes, IntArray]:
     """Shrink every part of regions again and again, evenly down to its middle.
 
-    The spacing is fitted to the greatest circle inside the part, so that a whole number of loops fits: a loop stands
-    for the stripe that it runs in the middle of, and the stripes cover the part.
+    The spacing is fitted to the largest circle inside the part, so that a whole number of loops covers the part: each
+    loop covers a stripe as wide as the spacing, along whose middle it runs.
 
     Args:
         regions: (I,) Polygon or MultiPolygon, maybe empty.

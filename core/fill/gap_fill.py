@@ -1,4 +1,4 @@
-"""Single lines along the middle of places too narrow for another wall, such as the neck between two waved walls."""
+"""Gap fill: single lines along the middle of places too narrow for another wall, as between two waved walls."""
 
 from __future__ import annotations
 
@@ -35,9 +35,10 @@ _GRID_DIGITS = 6  # decimals of mm; points much nearer than that to each other u
 
 
 def margins(settings: PrintSettings) -> tuple[float, ...]:
-    """Line widths by which what is found between each wall and the next, and in the last, reaches into both sides.
+    """How far gaps reach into the walls on both sides, in line widths: one number for each of the arrays of gaps.
 
-    Less than 0 keeps off straight walls, so that gaps that are too narrow are not found; lines are as much wider.
+    Those are the gaps between each wall and the next one, and those inside the last. Below 0, gaps keep off the walls
+    by so much: ones that are too narrow are then not found, and lines in the others are made as much wider again.
     """
     waved = _INTO_WAVES if settings.wave_crest > 0 else -_LEAST / 2
     return tuple(-_LEAST / 2 if number else waved for number in range(settings.perimeters + 1))
@@ -46,7 +47,7 @@ def margins(settings: PrintSettings) -> tuple[float, ...]:
 def gaps_between(
     walls: list[Shapes], steps: list[Moved], straight: Shapes, width_mm: FloatArray, settings: PrintSettings
 ) -> list[Shapes]:
-    """What is left between each wall and the next one inside, where that does not fit.
+    """The gaps between each wall and the next one inside, where that could not follow.
 
     Args:
         walls: (I,) regions bounded by a wall's center line, from the waved outer wall in.
@@ -91,7 +92,7 @@ def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margi
 
 
 def narrow_fill(fill: Shapes, width_mm: FloatArray, settings: PrintSettings) -> tuple[Shapes, Shapes]:
-    """Parts of the regions inside the last wall that are filled by one line along their middle: many would overfill.
+    """Split off the parts inside the last wall that take one line along their middle; hatching would overfill them.
 
     Args:
         fill: (I,) regions to fill, which reach into the wall by the overlap.
@@ -126,19 +127,21 @@ def narrow_fill(fill: Shapes, width_mm: FloatArray, settings: PrintSettings) -> 
 
 
 def _strays(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray) -> BoolArray:
-    """(I,) bool, where some of the outer wall may lie farther from the inner one than its corners do.
+    """(I,) bool, where a place of the outer wall may lie too far from the inner one.
 
-    Where all edges have moved, only what was left out can; nearly everywhere else some does.
+    Where every edge of the outline could be moved, only the corners of edges that were dropped need to be looked at.
+    Outlines that GEOS had to offset nearly always have such a place.
     """
     far = ~shapely.dwithin(shapely.points(step.left_out), inner[step.owner], _NEAR * width_mm[step.owner])
     return np.asarray(~step.sound | (np.bincount(step.owner, far, len(outer)) > 0))
 
 
 def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArray:
-    """(I,) bool, where the inner wall is shorter than one all around the inside of the outer one, so that gaps may be.
+    """(I,) bool, where the inner wall is so much shorter than the outer one that there may be a gap.
 
-    A closed line set off by a width loses 2π widths, and a gap besides twice its length. Offsets being what costs most
-    here, this saves half of them; regions with holes, which gain, are not worth the trouble.
+    A closed line that is offset inwards by a width gets 2π widths shorter; a gap costs twice its own length more.
+    Offsets take the most time here, and this test saves half of them. Regions with holes are not tested, as the walls
+    around holes get longer.
     """
     lost = shapely.length(outer) - shapely.length(inner) - 2 * np.pi * width_mm
     plain = (shapely.get_type_id(outer) == shapely.GeometryType.POLYGON) & (shapely.get_num_interior_rings(outer) == 0)
@@ -153,7 +156,7 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
 
     Args:
         found: arrays (I,) of gaps.
-        margin: of each array, see `margins`.
+        margin: of each array, line widths, see `margins`.
         island_layer: (I,) layer of each island.
         width_mm: (I,) of the lines that gaps are measured by.
 
@@ -196,16 +199,15 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
 
 
 def _on_grid(points: FloatArray) -> FloatArray:
-    """(N, 2) points on a grid, on which neighbors are the same or well apart."""
+    """(N, 2) points rounded to a grid, so that neighbors either coincide or are well apart."""
     rounded: FloatArray = np.round(points, _GRID_DIGITS)
     return rounded
 
 
 def _triangles(points: Shapes, gap: Shapes) -> Shapes:
-    """(P,) the Delaunay triangles of (P,) sets of points on the boundaries of polygons.
+    """(P,) Delaunay triangulations of (P,) sets of points on the boundaries of polygons.
 
-    GEOS finds none for some sets, long symmetric ones above all; there the polygon itself is triangulated, which always
-    works, but takes longer.
+    GEOS fails on some sets, mostly long symmetric ones; then the polygon itself is triangulated, which takes longer.
     """
     try:
         return np.asarray(shapely.delaunay_triangles(points))
@@ -224,7 +226,7 @@ def _triangles(points: Shapes, gap: Shapes) -> Shapes:
 def _to_the_ends(
     points: FloatArray, wide: FloatArray, line: IntArray, gaps: Shapes, gap: IntArray
 ) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Lines made longer straight on, up to the ends of their gaps: the middle is found only between two sides.
+    """Lengthen lines straight on to the ends of their gaps, since the axis only runs where a gap has two sides.
 
     Args:
         points: (N, 2) mm.

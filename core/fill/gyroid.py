@@ -41,7 +41,7 @@ class _Waves:
     scale_mm: float
 
     def roots(self, x_mm: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(N,) middle and (N,) half the distance, in radians, of two waves beside each other, at (N,) x."""
+        """(N,) middle and (N,) half the distance, in radians, of two neighboring waves at x (N,)."""
         x, sine, cosine = x_mm / self.scale_mm, np.sin(self.z), np.cos(self.z)
         along = _along_x(self.z)
         sign = np.where(np.where(along, cosine, sine) < 0, -1.0, 1.0)
@@ -51,7 +51,7 @@ class _Waves:
         return np.arctan2(b, a), np.arccos(np.clip(c / np.hypot(a, b), -1.0, 1.0))
 
     def counted(self, points: FloatArray) -> FloatArray:
-        """(N, 2) mm → the same with y counted in waves: a whole number on each."""
+        """(N, 2) mm → (N, 2) with y counted in waves, a whole number on each wave."""
         middle, half = self.roots(points[:, 0])
         above = points[:, 1] / self.scale_mm - middle + half
         pair = np.floor(above / (2 * np.pi))
@@ -72,7 +72,7 @@ class _Waves:
 def gyroid_paths(
     regions: Shapes, layer: IntArray, height_mm: FloatArray, width_mm: FloatArray, settings: PrintSettings
 ) -> Paths:
-    """Fill regions with the gyroid whose curves cover `infill_density` of the area, averaged over a period of height.
+    """Fill regions with a gyroid; averaged over its period in height, its lines cover `infill_density` of the area.
 
     Args:
         regions: (I,) Polygon or MultiPolygon, maybe empty.
@@ -120,7 +120,7 @@ def _along_x(z: FloatArray) -> FloatArray:
 
 
 def _subdivided(points: FloatArray, start: IntArray, chord_mm: float) -> tuple[FloatArray, IntArray]:
-    """Polylines whose lines are no longer than a chord along x."""
+    """Polylines cut into lines that are no longer than `chord_mm` along x."""
     step = np.diff(points, axis=0, append=points[-1:])
     step[start[1:] - 1] = 0.0
     count = np.maximum(np.ceil(np.abs(step[:, 0]) / chord_mm), 1).astype(np.int64)

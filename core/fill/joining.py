@@ -1,4 +1,4 @@
-"""Join the hatch's spans in zig-zag, so that a region is filled in few long lines instead of many short ones.
+"""Joins the spans of a hatch in zigzag, so that a region is filled by few long lines instead of many short ones.
 
 Two neighboring crossings on the boundary of a region, one on line k and the next on line k + 1, are joined by a
 straight link if the boundary between them runs close to it, or else along the boundary. The links between lines k and
@@ -119,7 +119,7 @@ def _ends(cut: Crossings, found: Spans, span: IntArray, trim_mm: FloatArray) -> 
 
 
 def _followed(cut: Crossings, along: Arcs, links: _Links) -> tuple[IntArray, IntArray, IntArray]:
-    """Vertices of the links along the boundary, the span after which each is printed, and its rank there."""
+    """Vertices of the links along the boundary, the span after which each is printed, and its rank in that link."""
     link_of_arc = np.full(len(cut.x), -1, dtype=np.int64)
     bent = np.flatnonzero(~links.straight)
     link_of_arc[links.arc[bent]] = bent

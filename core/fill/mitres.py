@@ -1,4 +1,4 @@
-"""Offsets of polygons with sharp corners, all at once: a third of what GEOS takes, where nothing splits or meets.
+"""Offsets of polygons with mitred corners, all at once, in a third of the time of GEOS where nothing splits or meets.
 
 Every edge moves along its normal and is as long as its neighbors leave it. An edge that would turn around is dropped,
 and its neighbors meet instead, as in a straight skeleton. Where all edges that are left keep their direction and no
@@ -36,7 +36,7 @@ class _Edges:
         behind: (E,) int64, the one before.
         mitred: (E,) 1 or -1, the sense of a ring's turns that get mitres.
         left: (E,) bool, not dropped.
-        lost: (E,) bool, edges of rings that cannot be moved so.
+        lost: (E,) bool, edges whose ring cannot be moved in this way.
     """
 
     begin: Plane
@@ -60,9 +60,9 @@ class Moved:
 
     Attributes:
         shapes: (N,) Polygon or MultiPolygon.
-        sound: (N,) bool, where these are right.
-        left_out: (C, 2) mm, corners of the right ones whose edges were dropped, as they were before.
-        owner: (C,) int64, whose they are.
+        sound: (N,) bool, which of them are right; the others are left to GEOS.
+        left_out: (C, 2) mm, where the dropped edges of the right ones began before the move.
+        owner: (C,) int64, the polygon of each.
     """
 
     shapes: Shapes
@@ -101,7 +101,14 @@ def moved(shapes: Shapes, distance_mm: FloatArray) -> Moved:
 
 
 def _moved_edges(points: Plane, ring: IntArray, hole: BoolArray, distance_mm: FloatArray) -> _Edges:
-    """Arguments by point and by ring."""
+    """Move every edge along its normal.
+
+    Args:
+        points: (E,) x + iy of all rings.
+        ring: (E,) the ring of each point.
+        hole: (R,) bool, rings that bound holes.
+        distance_mm: (R,) outwards.
+    """
     start = starts(np.bincount(ring, minlength=len(hole)))
     ahead, behind = following(start), preceding(start)
     edge = points[ahead] - points
@@ -120,7 +127,7 @@ def _moved_edges(points: Plane, ring: IntArray, hole: BoolArray, distance_mm: Fl
 
 
 def _drop_turned(edges: _Edges) -> None:
-    """Drop the edges that have turned around; of those in a row, what has vanished first goes first."""
+    """Drop the edges that have turned around; of neighboring ones the one that has vanished first goes first."""
     vanished = np.full(len(edges.begin), np.inf)  # at which share of the distance
     turned = np.flatnonzero(edges.kept(slice(None)) <= 0)
     for _ in range(_ROUNDS):
@@ -146,7 +153,7 @@ def _drop_turned(edges: _Edges) -> None:
 
 
 def _polygons(points: Plane, ring: IntArray, part: IntArray, owner: IntArray, count: int) -> Shapes:
-    """(count,) shapes of rings, which belong to parts, which belong to shapes; empty where nothing is given."""
+    """(count,) shapes, each of the parts that it owns, each part of its rings; empty where no ring is left."""
     shapes: Shapes = np.full(count, shapely.Polygon(), dtype=object)
     if not len(points):
         return shapes

@@ -77,14 +77,14 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
 def fill_areas(
     islands: Shapes, straight: Shapes, island_layer: IntArray, solid: Shapes, whole: BoolArray, settings: PrintSettings
 ) -> tuple[Shapes, ...]:
-    """What is filled how in each island, whatever the others are.
+    """Divide each island into walls, gaps, skins and sparse fill; no island depends on another.
 
     Args:
         islands: (I,) as in `fill_paths`, but valid ones, simplified.
         straight: (I,) where the outer wall has no wave beside others that do, see `outer_wall.straight_parts`.
         island_layer: (I,) int64.
-        solid: (I,) and
-        whole: (I,) bool, where these are to be solid, see `Skins`.
+        solid: (I,) where these are to be solid, see `Skins.regions`.
+        whole: (I,) bool, islands that are solid throughout.
         settings: walls, skins and fill.
 
     Returns:
@@ -148,7 +148,7 @@ def _hatched(
 
 
 def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: PrintSettings) -> Hatching:
-    """Angles and spacings: skins are lines side by side, sparse fill has the width's share that the density asks for.
+    """Angles and spacings of hatches: skins are lines side by side; of sparse fill, the density sets the spacing.
 
     Args:
         solid: (I,) regions of the islands.
@@ -186,9 +186,9 @@ def bridging(found: Bridges, island_layer: IntArray, settings: PrintSettings) ->
 def hatch_paths(hatching: Hatching, island_layer: IntArray) -> Paths:
     """Hatch all regions and join the lines.
 
-    The lines of skins end half a width before their region does, as the nozzle's line is round there and the link to
-    the next line runs along; so the length of line times its width is the region's area. Sparse lines end on the
-    boundary, where they hold on to the wall.
+    The lines of skins end half a width before the boundary, since strands have round ends and the links to the next
+    line run there; so length times width is the region's area. Sparse lines end on the boundary, to hold on to the
+    wall.
     """
     width = hatching.width_mm
     half = 0.5 * float(width.min(initial=np.inf))

@@ -30,9 +30,9 @@ class Skins:
 
 
 def skins(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: PrintSettings) -> Skins:
-    """Find what is not covered by all of the `top_solid_layers` layers above and the `bottom_solid_layers` below.
+    """Find what any of the `top_solid_layers` layers above and `bottom_solid_layers` layers below leaves uncovered.
 
-    Slivers apart, it is grown by a line width, so that it stands on the sparse fill's neighbors.
+    But for slivers, which are dropped, it is grown by a line width, so that it rests on what is beside sparse fill.
 
     Args:
         inside: (I,) the region to fill of each island, or somewhat more.
@@ -83,11 +83,11 @@ def solid_and_sparse(fill: Shapes, found: Skins, settings: PrintSettings) -> tup
 def uncovered(
     inside: Shapes, layer: IntArray, outlines: Shapes, steps: list[int], smallest_mm2: float
 ) -> tuple[Shapes, IntArray]:
-    """What of regions is not covered by all of some other layers.
+    """The parts of regions that at least one of some other layers leaves uncovered.
 
-    Most regions lie well inside their neighbors' outlines, which a prepared predicate tells ten times faster than an
-    overlay; so only the others are cut, and of them only what is left. The farthest layers should come first, as they
-    leave the least.
+    Most regions lie well inside the other outlines, which a prepared predicate tells ten times as fast as an overlay.
+    Only the others are cut, and each time only what is still covered. The farthest layers should come first, as they
+    cover the least.
 
     Args:
         inside: (I,) regions.
@@ -120,10 +120,10 @@ def uncovered(
 
 
 def _parted(whole: Shapes, cutters: Shapes) -> tuple[Shapes, Shapes]:
-    """What of regions lies within others and what beyond, (N,) all.
+    """The parts of regions inside others and the parts outside them; all (N,).
 
-    Where boundaries run along each other within rounding errors, GEOS is now and then wrong by a large piece without
-    a word; the areas tell, and then it works on a grid of 0.1 µm, which is safe but takes twice the time.
+    Where boundaries coincide up to rounding, GEOS now and then loses a large piece without an error. The areas tell;
+    then the overlay is repeated on a grid of 0.1 µm, which is safe but takes twice the time.
     """
     within, beyond = shapely.intersection(cutters, whole), shapely.difference(whole, cutters)
     wrong = _wrong(whole, within, beyond)
@@ -146,7 +146,7 @@ def remainder(whole: Shapes, parts: Shapes) -> Shapes:
 
 
 def _with_remnants(inside: Shapes, solid: Shapes, sparse: Shapes, smallest_mm2: float) -> tuple[Shapes, Shapes]:
-    """Give sparse parts below an area to the solid region."""
+    """Give sparse parts that are smaller than an area to the solid region."""
     parts, owner = shapely.get_parts(sparse, return_index=True)
     large = (shapely.area(parts) >= smallest_mm2) & (shapely.get_dimensions(parts) == 2)
     poor = np.unique(owner[~large & ~shapely.is_empty(parts)])

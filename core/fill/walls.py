@@ -44,7 +44,7 @@ def offset(shapes: Shapes, distance_mm: float | FloatArray) -> Shapes:
 
 
 def offset_outlines(shapes: Shapes, distance_mm: FloatArray) -> Shapes:
-    """The same for many valid polygons of many corners, few of which split or meet, in half the time."""
+    """As `offset`, in half the time for many valid polygons of many corners of which few split or meet."""
     return _completed(moved(shapes, distance_mm), shapes, distance_mm)
 
 
@@ -92,7 +92,7 @@ def walls_and_fill(
 
 
 def _open_necks(walls: Shapes, rows: IntArray, wide: Shapes, width_mm: FloatArray) -> IntArray:
-    """The rows (R,) of walls (I,) that are cut back, in place, to where they are `wide` (R,); not for sharp corners.
+    """Cut the rows (R,) of walls (I,), in place, back to where they are `wide` (R,), but not at sharp corners.
 
     Where both sides of a wall would be printed nearly on each other there is none: one line along the gap is as wide.
     """

@@ -1,4 +1,4 @@
-"""Connected components: which things hang together."""
+"""Connected components of a graph."""
 
 from __future__ import annotations
 
@@ -10,17 +10,25 @@ from ..model import IntArray
 
 
 def components(groups: IntArray) -> IntArray:
-    """Connected components of nodes that occur together: of groups (G, k) of node numbers, each group's root (G,)."""
+    """Connected components, where the nodes of a group are connected.
+
+    Args:
+        groups: (G, k) nodes from 0 on; k nodes in each group.
+
+    Returns:
+        (G,) the root of each group's component: one of its nodes, the same for all of its groups.
+    """
     columns = [np.ascontiguousarray(column) for column in groups.T]
     return np.asarray(_roots(columns, int(groups.max(initial=-1)) + 1).take(columns[0]))
 
 
 def _roots(columns: list[IntArray], count: int) -> IntArray:
-    """(count,) alike for nodes that are connected by links from each of some columns (K,) to the next one.
+    """(count,) the root of each node, where links lead from each of some columns (K,) of nodes to the next one.
 
-    Every node is hooked to one that it is linked to and that has a lesser number, and all paths are halved. Then the
-    trees are nodes themselves, numbered the other way round: a node that has many linked to it, all of them greater
-    or all of them less, does no more than one link a round in one of the two ways, but all of them in the other.
+    Union-find for all links at once: every node is hooked to a linked node of a lesser number, and every path is
+    flattened to its root. Then the trees become the nodes, numbered in reverse, and so on. The reversal matters for a
+    node with many links to greater numbers only, or to lesser ones only: hooking one way resolves one of them a round,
+    hooking the other way all of them.
     """
     parent = np.arange(count)
     for one, other in pairwise(columns):
@@ -39,7 +47,7 @@ def _roots(columns: list[IntArray], count: int) -> IntArray:
 
 
 def numbered(root: IntArray) -> IntArray:
-    """Roots (G,) as numbers from 0."""
+    """(G,) roots renumbered from 0, in increasing order."""
     is_root = np.zeros(root.max(initial=-1) + 1, dtype=bool)
     is_root[root] = True
     return np.asarray((np.cumsum(is_root) - 1).take(root))

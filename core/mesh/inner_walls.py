@@ -14,10 +14,10 @@ from .components import components, numbered
 
 
 def inner_walls(mesh: TriangleMesh) -> IntArray:
-    """(N,) the faces to leave out, so that two faces meet at edges where an odd number did.
+    """(N,) the faces to leave out so that an even number of faces meets at every edge where an odd one did.
 
-    Such edges part the surface into patches. Of the patches that meet there any one could go; the smallest does: it is
-    the wall across, for what bulges out on either side of it is larger. A patch stays if holes would be left behind.
+    Such edges part the surface into patches. Any one of the patches that meet there could go. The smallest one goes,
+    as a flat wall across the solid is smaller than what bulges out on either side of it, unless that leaves a hole.
 
     Args:
         mesh: welded.

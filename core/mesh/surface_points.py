@@ -1,4 +1,4 @@
-"""Places all over the faces of a mesh, for what is integrated or drawn over its surface."""
+"""Sample points all over the faces of a mesh, to integrate or draw something over its surface."""
 
 from __future__ import annotations
 

@@ -74,12 +74,12 @@ def triangulate(model: SurfaceModel, settings: PrintSettings) -> TriangleMesh:
 
 @dataclass(frozen=True)
 class _Triangles:
-    """Which corners and polygons triangles come from.
+    """Which corners and polygons the triangles come from.
 
     Attributes:
         corners: (T', 3) corners of each, None if they are all corners in turn.
         polygon: (T',) the polygon that it is part of, None if they are all polygons in turn.
-        kept: (T,) those with an area, None for all.
+        kept: (T,) those that have an area, None for all.
     """
 
     corners: IntArray | None

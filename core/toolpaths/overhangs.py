@@ -1,7 +1,7 @@
-"""Parts of walls that hang over air: where nothing of the layer below reaches under the line.
+"""Overhanging walls: lines under which nothing of the layer below reaches.
 
-Only a few walls of a print do, so coarser questions come before the one that asks for the layer below: which faces are
-flat enough, in which layers and cells of a grid they lie, and which lines pass through those.
+Few walls of a print overhang, so two coarse tests come first: which faces are flat enough, and which lines pass through
+the layers and the grid cells where those lie. Only these lines are tested against the layer below.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ _STRETCH = 2.0  # mm; so much of a line is looked for in the cells at a time
 
 @dataclass(frozen=True)
 class Undersides:
-    """Where the object's flat undersides are, so coarsely that all but a few walls are done with at once.
+    """Where the object's flat undersides are, on a coarse grid that rules out all but a few walls.
 
     Attributes:
         on: (L,) bool, layers that may hang over the one below somewhere.
         corner: (2,) mm, of the cells.
-        cells: (L, X, Y) bool, `_CELL` mm wide, where that may be; they reach farther than all walls.
+        cells: (L, X, Y) bool, where that may be, in cells `_CELL` mm wide; the grid is larger than all walls.
     """
 
     on: BoolArray
@@ -47,7 +47,7 @@ class Undersides:
         return Undersides(self.on[chosen], self.corner, self.cells[chosen])
 
     def near(self, x: FloatArray, y: FloatArray, layer: IntArray) -> BoolArray:
-        """(N,) whether places on layers lie in such a cell."""
+        """(N,) whether places (x, y) on layers lie in a marked cell."""
         _, columns, rows = self.cells.shape
         column = ((x - self.corner[0]) / _CELL).astype(np.intp)
         row = ((y - self.corner[1]) / _CELL).astype(np.intp)
@@ -111,15 +111,15 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
 
 
 def with_overhangs(paths: OrderedPaths, below: Below, settings: PrintSettings) -> OrderedPaths:
-    """The paths with those lines of walls marked that hang over air, cut where they begin to, with their own amount.
+    """Mark the lines of walls that hang over air; lines are cut where that begins and ends, and get `bridge_flow`.
 
     Args:
         paths: in printing order.
         below: what carries the walls.
-        settings: `raft_layers` lie below the object's; `bridge_flow` is theirs.
+        settings: `raft_layers`, which lie below the object's, `bridge_flow` and `extrusion_width` are used.
 
     Returns:
-        `over_air` is None where nothing hangs.
+        The paths, with `over_air`; that is None where nothing overhangs.
     """
     hanging = below.hanging
     if hanging is None:
@@ -150,9 +150,11 @@ class _Lines:
     """Some of the straight lines of paths.
 
     Attributes:
-        chord: (C,) points that they leave.
+        chord: (C,) the point that each one leaves.
         layer: (C,) of the object.
-        x, y, step_x, step_y, length: (C,) mm.
+        x: (C,) mm, where each begins; `y` likewise.
+        step_x: (C,) mm, from there to its end; `step_y` likewise.
+        length: (C,) mm.
     """
 
     def __init__(self, points: FloatArray, chord: IntArray, layer: IntArray) -> None:
@@ -162,11 +164,15 @@ class _Lines:
         self.length = np.sqrt(self.step_x * self.step_x + self.step_y * self.step_y)
 
     def selected(self, which: IntArray) -> _Lines:
-        """Those of the given numbers."""
+        """The lines of the given numbers."""
         return _Lines(self._points, self.chord[which], self.layer[which])
 
     def pieces(self, longest: float) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-        """Pieces no longer than this: (P,) line, the share of it before the piece, x and y of the piece's middle."""
+        """Cut the lines into pieces of at most `longest` mm.
+
+        Returns:
+            (P,) each: the line of a piece, the share of that line before it, x and y of the piece's middle.
+        """
         count = np.maximum(np.ceil(self.length / longest), 1).astype(np.int64)
         of = np.repeat(np.arange(len(count)), count)
         number = ranges(np.zeros_like(count), count)
@@ -177,7 +183,7 @@ class _Lines:
 
 
 def _one_each(length: FloatArray, group: IntArray) -> IntArray:
-    """Of pieces much shorter than `_PIECE` one for all that lie as near; the first of each group (P,) is among them."""
+    """Pieces to test: the first of each group (P,), and after it the first in every further `_PIECE` mm."""
     begins = np.ones(len(length), dtype=bool)
     begins[1:] = group[1:] != group[:-1]
     way = np.cumsum(summable(length.copy()))
@@ -188,7 +194,7 @@ def _one_each(length: FloatArray, group: IntArray) -> IntArray:
 
 
 def _free(lines: _Lines, of: IntArray, middle: FloatArray, outlines: Shapes, reach: float) -> BoolArray:
-    """(P,) whether the outline below carries nothing so far to either side of the middles (2, P) of pieces."""
+    """(P,) pieces that hang free: `reach` mm to both sides of their middles (2, P), the outline below is not there."""
     free = np.ones(len(of), dtype=bool)
     used, layer = np.unique(lines.layer - 1, return_inverse=True)
     below = shapely.force_2d(outlines[used])  # a copy: a prepared shape must not be shared between threads
@@ -203,7 +209,7 @@ def _free(lines: _Lines, of: IntArray, middle: FloatArray, outlines: Shapes, rea
 
 
 def _long_parts(free: BoolArray, length: FloatArray, group: IntArray) -> BoolArray:
-    """(P,) marks of pieces, of which short gaps are filled and what is too short is dropped then."""
+    """(P,) marks of pieces, with short gaps closed and then short stretches dropped."""
     for wanted in (False, True):
         begins = np.ones(len(free), dtype=bool)
         begins[1:] = (free[1:] != free[:-1]) | (group[1:] != group[:-1])
@@ -218,12 +224,12 @@ def _long_parts(free: BoolArray, length: FloatArray, group: IntArray) -> BoolArr
 
 
 def _cut(paths: OrderedPaths, chord: IntArray, share: FloatArray, free: BoolArray, flow: float) -> OrderedPaths:
-    """Points where marks change within a line, the marks of all lines, and the amount where these are set.
+    """Put points where marks change within a line, and give marked lines their flow.
 
     Args:
         paths: in printing order.
         chord: (P,) the point that each piece's line leaves.
-        share: (P,) of the line before it.
+        share: (P,) of that line before the piece.
         free: (P,) of the pieces.
         flow: factor on the widths of lines over air.
     """
@@ -245,9 +251,9 @@ def _cut(paths: OrderedPaths, chord: IntArray, share: FloatArray, free: BoolArra
 
 
 def _inserted(column: NDArray[Scalar], place: IntArray, values: NDArray[Scalar]) -> NDArray[Scalar]:
-    """(N + K, …) a column with some values put before the given rows (K,), which do not decrease.
+    """(N + K, …) a column with values (K, …) inserted before rows (K,), which do not decrease.
 
-    Few rows come new, and what lies between is copied five times as fast block by block as row by row.
+    Where K is small, copying block by block is five times as fast as `numpy.insert`.
     """
     grown = np.empty((len(column) + len(place), *column.shape[1:]), dtype=column.dtype)
     begin = 0

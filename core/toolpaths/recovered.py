@@ -1,4 +1,4 @@
-"""Moves recovered from the commands of a file: layers, features and line widths are found from the numbers."""
+"""The table of moves recovered from a file: layers, kinds of moves and line widths follow from its numbers."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def recovered_moves(
     steps: tuple[float, float],
     stated: FloatArray | None = None,
 ) -> Moves:
-    """The table of moves of a file.
+    """Recover the table of moves from the positions and the filament of a file.
 
-    A layer is a height at which plastic is laid down; it is as high as its distance from the layer below. A line's
-    width follows from the filament fed. Rounding makes it uncertain for short moves, so a line whose widths agree
-    within that has one width, and elsewhere it is averaged over a few tenths of a millimeter.
+    Every height at which plastic is laid down is a layer, as high as its distance from the one below. The width of a
+    line follows from the filament that is fed. For short moves rounding makes it uncertain: a line whose widths agree
+    within the rounding gets one width, any other line is smoothed over a few tenths of a millimeter.
 
     Args:
         position: (M, 3) mm, after each row.
@@ -44,7 +44,7 @@ def recovered_moves(
         feature: (M,) a `Feature` for rows that extrude, `UNKNOWN` where the file does not say.
         settings: diameters of the filament, and the width that lines usually have.
         steps: resolution of positions and filament in mm.
-        stated: (M,) mm, width that the file names for each row; taken where the filament agrees with it.
+        stated: (M,) mm, the width that comments in the file state; it counts where the filament agrees with it.
 
     Raises:
         PrintError: nothing is extruded, or a number is beyond all bounds.
@@ -101,7 +101,7 @@ def _line_widths(
         way: (K,) mm, length of each.
         settings: diameters of the filament, and the width that lines usually have.
         steps: resolution of positions and filament in mm.
-        stated: (K,) mm, what the file names, or None.
+        stated: (K,) mm, widths that the file states, or None.
     """
     fed = moves.filament[rows]
     diameter = np.where(moves.tool[rows] == 0, settings.filament_diameter_0, settings.filament_diameter_1)
@@ -114,7 +114,7 @@ def _line_widths(
 
 
 def _layers(z: FloatArray, lays: BoolArray) -> tuple[IntArray, FloatArray]:
-    """(M,) the layer that each row belongs to or goes to, and (M,) mm its height, 0 where nothing is laid down.
+    """(M,) the layer that each row prints on or travels to, and (M,) mm its height, 0 where nothing is laid down.
 
     Raises:
         PrintError: a line lies below the bed.
@@ -128,7 +128,7 @@ def _layers(z: FloatArray, lays: BoolArray) -> tuple[IntArray, FloatArray]:
 
 
 def _has_effect(position: FloatArray, tool: IntArray, fed: FloatArray) -> BoolArray:
-    """(M,) rows that move, feed or change the tool; others are moves shorter than the file's resolution."""
+    """(M,) rows that move, feed or change the tool; the others are moves shorter than the file's resolution."""
     kept: BoolArray = fed != 0
     kept[:1] = True
     kept[1:] |= (position[1:] != position[:-1]).any(axis=1) | (tool[1:] != tool[:-1])
@@ -136,7 +136,7 @@ def _has_effect(position: FloatArray, tool: IntArray, fed: FloatArray) -> BoolAr
 
 
 def _slips(way: FloatArray, rise: FloatArray, fed: FloatArray, step: float) -> BoolArray:
-    """(M,) moves within a line that are so short that the filament for them was rounded to nothing."""
+    """(M,) moves within a line so short that their filament was rounded to nothing."""
     lays = (fed > 0) & (way > 0)
     slips: BoolArray = (fed == 0) & (way > 0) & (way < 2.5 * step) & (rise == 0)
     slips[:1] = slips[-1:] = False
@@ -145,7 +145,7 @@ def _slips(way: FloatArray, rise: FloatArray, fed: FloatArray, step: float) -> B
 
 
 def _until_next(values: IntArray, marked: BoolArray) -> IntArray:
-    """(M,) the value of the next marked row, of the last one after that."""
+    """(M,) the value of the next marked row at or after each row; the last value where none follows."""
     count: IntArray = np.cumsum(marked) - marked
     return np.asarray(values[np.minimum(count, len(values) - 1)], dtype=np.int64)
 
@@ -153,7 +153,7 @@ def _until_next(values: IntArray, marked: BoolArray) -> IntArray:
 def _stated_widths(
     stated: FloatArray, width: FloatArray, area: FloatArray, way: FloatArray, doubt: FloatArray
 ) -> FloatArray:
-    """(K,) mm, the widths that the file names where the filament agrees with them, the others elsewhere."""
+    """(K,) mm, the stated widths where the filament agrees with them, else the computed ones."""
     agrees = np.abs(area - stated * way) <= (doubt * stated + _STATED_STEP) * way
     return np.where(agrees, stated, width)
 
@@ -166,7 +166,7 @@ def _widths(area: FloatArray, way: FloatArray, doubt: FloatArray, begins: BoolAr
         way: (K,) mm, its length.
         doubt: (K,) relative uncertainty of its width.
         begins: (K,) where a line begins.
-        usual: mm, what widths that are as good as this one are set to.
+        usual: mm; widths within 0.2 % of this are set to it.
     """
     first = np.flatnonzero(begins)
     counts = np.diff(np.append(first, len(begins)))
