@@ -19,9 +19,8 @@ HELP = "look for faults in an X3G file before it is printed"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("file", type=Path, metavar="F.x3g", help="file of this program or of GPX")
-    readers = [name for name in printer_names() if printer_profile(name).marlin is None]
-    parser.add_argument("--printer", choices=readers, default="replicator_2x", help="printer that the file is for "
-                        "(default: replicator_2x)")  # fmt: skip
+    parser.add_argument("--printer", choices=printer_names(), default="replicator_2x", help="printer that the "
+                        "file is for (default: replicator_2x)")  # fmt: skip
 
 
 def outputs(args: argparse.Namespace) -> dict[str, Path]:
@@ -33,11 +32,14 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     """Read the file and say that nothing is wrong with it.
 
     Raises:
-        PrintError: something is, or the file cannot be read or is damaged.
+        PrintError: something is, the file cannot be read or is damaged, or the printer reads no such files.
     """
     if args.file.suffix.lower() not in SUFFIXES:
         raise PrintError(f"{args.file.name} is not an X3G file", "name a file written by --x3g")
+    printer = printer_profile(args.printer)
+    if printer.marlin is not None:
+        raise PrintError(f"{printer.name} does not read X3G", "choose another printer by --printer")
     commands = read_x3g(read_print_file(args.file))
-    if findings := audit(commands, printer_profile(args.printer)):
+    if findings := audit(commands, printer):
         raise PrintError(f"{args.file.name} must not be printed", "; ".join(findings))
     return [f"{args.file.name}: {int(commands.moves.sum()):,} moves, no faults found for {args.printer}"]

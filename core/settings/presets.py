@@ -50,7 +50,7 @@ def preset_files(own: Path | None = None, kinds: Sequence[str] = tuple(KINDS)) -
 
 
 def read_preset(path: Path) -> Preset:
-    """The preset in a file.
+    """The preset in a file; one with the facts of a printer chooses that printer, whatever file it was copied from.
 
     Raises:
         SettingsError: it cannot be read or is no preset.
@@ -59,6 +59,8 @@ def read_preset(path: Path) -> Preset:
     settings = values.get("settings")
     if not isinstance(settings, dict):
         raise SettingsError(f"{path} is no preset", 'its settings are written as {"settings": {"layer_height": 0.2}}')
+    if isinstance(values.get("printer"), dict):
+        settings = {**settings, "printer": path.stem}
     label = str(values.get("label", path.stem))
     return Preset(label, str(values.get("description", "")), settings)
 

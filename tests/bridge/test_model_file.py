@@ -119,7 +119,6 @@ def test_several_meshes_without_an_active_one_need_a_name(tmp_path):
         ("nothing.obj", None, "there is no file"),
         ("notes.txt", "hello", "is not a model file"),
         ("part.3mf", "PK", "is of a kind that cannot be read: open it elsewhere and save it as .stl"),
-        ("part.3mf", "PK", "save it as .stl"),
         ("cat.png", "PNG", "dualcolor plate puts pictures on plates"),
         ("print.x3g", "", "dualcolor render shows"),
         ("empty.obj", "", "is empty"),

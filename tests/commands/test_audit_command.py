@@ -26,9 +26,11 @@ def test_good_bad_and_missing_files(tmp_path, capsys):
     assert "print.gcode is not an X3G file" in capsys.readouterr().err
 
 
-def test_the_printer_is_chosen(tmp_path):
+def test_the_printer_is_chosen(tmp_path, capsys):
     path = tmp_path / "part.x3g"
     path.write_bytes(x3g_bytes(rosette(3, 40), PrintSettings(printer="replicator_dual")))
     assert main(["audit", str(path), "--printer", "replicator_dual"]) == 0
     assert main(["audit", str(path)]) == 1  # its steps are longer
     assert main(["audit", str(path), "--printer", "ender"]) == 2
+    assert main(["audit", str(path), "--printer", "marlin_dual"]) == 1
+    assert "does not read X3G" in capsys.readouterr().err

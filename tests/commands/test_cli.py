@@ -280,7 +280,6 @@ def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypa
         ["print", "x.obj", "--dump", "x"],
         ["print", "x.obj", "--gcode", "x.x3g"],
         ["print", "x.obj", "--x3g", "x.gcode"],
-        ["audit", "x.x3g", "--printer", "marlin_dual"],
         ["plate", "x.png", "--samples", "1000000000"],
         ["analyse", "x.obj", "--pixels", "5"],
         ["print", "x.obj", "--rotate-x", "inf"],

@@ -38,6 +38,13 @@ def test_every_preset_is_valid_and_described(name):
     assert preset.description and not preset.description.endswith(".")
 
 
+def test_a_copied_printer_file_chooses_its_own_printer(tmp_path):
+    copy = tmp_path / "mine.json"
+    copy.write_bytes((PRESETS / "printer" / "marlin_dual.json").read_bytes())
+    assert read_preset(copy).settings["printer"] == "mine"
+    assert read_settings(copy)["printer"] == "mine"
+
+
 def test_qualities_and_later_presets_count():
     assert preset_values(["fine"])["layer_height"] == 0.2
     assert preset_values(["fine", "standard"])["layer_height"] == 0.25
