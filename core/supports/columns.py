@@ -7,7 +7,6 @@ import shapely
 
 from ..fill.walls import offset, simplified
 from ..model import Shapes
-from ..parallel import geos_in_threads
 from ..slicing.regions import gathered
 from .grid_overlay import GRID_MM, SIMPLIFY_MM, areas, difference, intersection, nothing
 from .overhangs import Contacts
@@ -26,14 +25,16 @@ def columns(needed: Contacts, taken: Shapes) -> Shapes:
         needed: what the supports carry.
         taken: (L,) where the object leaves no room.
     """
+    has_contact = np.flatnonzero(~shapely.is_empty(needed.area))
     # Close to a slope the air above a support takes part of it; a little deeper that part has room.
-    contact = _of_layers_above(needed.area, needed.slant + 1)
-    has_contact = ~shapely.is_empty(contact)
+    above = np.searchsorted(has_contact, np.arange(len(taken))[:, None] + [0, needed.slant + 1])
+    contact = needed.area[has_contact]
     parts = nothing(0)
     found: list[Shapes] = []
     for layer in range(len(taken) - 1, -1, -1):
-        if has_contact[layer]:
-            parts = _with(parts, contact[layer])
+        first, end = above[layer]
+        if first < end:
+            parts = _with(parts, contact[first:end])
         if len(parts):
             parts = _without(parts, taken[layer])
         found.append(parts)
@@ -42,20 +43,9 @@ def columns(needed: Contacts, taken: Shapes) -> Shapes:
     return gathered(np.concatenate([nothing(0), *found]), owner, len(found))
 
 
-def _of_layers_above(areas: Shapes, layers: int) -> Shapes:
-    """(L,) the areas of each layer united with those of the layers above, `count` layers in all."""
-    count = len(areas)
-    rows = np.minimum(np.arange(count)[:, None] + np.arange(layers), count)
-    window = np.append(areas, nothing(1))[rows]
-    some = np.flatnonzero(~shapely.is_empty(window).all(axis=1))
-    united = nothing(count)
-    (united[some],) = geos_in_threads(lambda part: (shapely.union_all(part, axis=1),), window[some])
-    return united
-
-
-def _with(parts: Shapes, added: shapely.Geometry) -> Shapes:
-    """(P,) polygons, those that meet another shape united with it, without narrow gaps and bays."""
-    near = shapely.dwithin(parts, added, _HALF_GAP_MM)
+def _with(parts: Shapes, added: Shapes) -> Shapes:
+    """(P,) polygons, those that meet others (A,) united with them, without narrow gaps and bays."""
+    near = shapely.dwithin(parts[:, None], added, _HALF_GAP_MM).any(axis=1)
     whole = shapely.union_all(np.append(parts[near], added), grid_size=GRID_MM)
     smooth = offset(simplified(offset(areas(whole), _HALF_GAP_MM), SIMPLIFY_MM), -_HALF_GAP_MM)
     return np.concatenate([parts[~near], _sizeable(smooth)])

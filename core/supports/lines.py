@@ -13,11 +13,12 @@ from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
-from .grid_overlay import difference, intersection, nothing, once, thickness
+from .grid_overlay import areas, nothing, once, thickness
 
 SUPPORT_ISLAND = -3
 # Lines run along X, and the close ones across them, so that they do not fall between.
 _ANGLE_DEG, _INTERFACE_ANGLE_DEG = 0.0, 90.0
+_ARC_SEGMENTS = 4
 _NARROW = 2.5  # thickness in spacings below which a support gets a loop
 _LONGEST_LINK = 3.0  # in spacings, along the edge of the support
 _STRAIGHTNESS_MM = 0.01  # links that stray from the edge by more follow it
@@ -42,8 +43,8 @@ class Areas:
     angle_deg: float
 
 
-def interface(found: Shapes, contact: Shapes, settings: PrintSettings) -> Shapes:
-    """(L,) the part of the supports that lies right under the object.
+def interface(found: Shapes, contact: Shapes, settings: PrintSettings) -> tuple[Shapes, Shapes]:
+    """The part of the supports that lies right under the object, (L,), and the rest of them, (L,).
 
     Args:
         found: (L,) areas of support.
@@ -52,37 +53,36 @@ def interface(found: Shapes, contact: Shapes, settings: PrintSettings) -> Shapes
     """
     count, layers = len(found), settings.support_interface_layers
     if not layers:
-        return nothing(count)
+        return nothing(count), found
     rows = np.arange(count)[:, None] + np.arange(layers)
     near = np.append(contact, shapely.Polygon())[np.minimum(rows, count)]
+    some = np.flatnonzero(~shapely.is_empty(near).all(axis=1) & ~shapely.is_empty(found))
+    close, below = nothing(count), found.copy()
 
-    def chunk(areas: Shapes, carried: Shapes) -> tuple[Shapes]:
-        close = nothing(len(areas))
-        some = np.flatnonzero(~shapely.is_empty(carried).all(axis=1) & ~shapely.is_empty(areas))
+    def chunk(parts: Shapes, carried: Shapes) -> tuple[Shapes, Shapes]:
         # Grown by a spacing, so that narrow stripes under a slope join and thickened columns are covered.
-        whole = shapely.buffer(shapely.union_all(carried[some], axis=1), settings.support_interface_spacing)
-        close[some] = intersection(areas[some], whole)
-        return (close,)
+        under = shapely.buffer(
+            shapely.union_all(carried, axis=1), settings.support_interface_spacing, quad_segs=_ARC_SEGMENTS
+        )
+        return areas(shapely.intersection(parts, under)), areas(shapely.difference(parts, under))
 
-    (close,) = geos_in_threads(chunk, found, near)
-    return close
+    close[some], below[some] = geos_in_threads(chunk, found[some], near[some])
+    return close, below
 
 
-def support_lines(found: Shapes, close: Shapes, settings: PrintSettings) -> Paths:
+def support_lines(below: Shapes, close: Shapes, settings: PrintSettings) -> Paths:
     """Lines in all areas of support.
 
     Args:
-        found: (L,) areas of support, for the center lines.
-        close: (L,) the parts of them that carry the object directly.
+        below: (L,) areas of support, for the center lines, that do not carry the object directly.
+        close: (L,) those that do.
         settings: the supports' spacings and `extrusion_width` are used.
 
     Returns:
         Paths of feature SUPPORT and SUPPORT_INTERFACE on island `SUPPORT_ISLAND`.
     """
     width = settings.extrusion_width
-    below, rows = found.copy(), np.flatnonzero(~shapely.is_empty(close))
-    (below[rows],) = geos_in_threads(lambda areas, part: (difference(areas, part),), found[rows], close[rows])
-    layer = np.arange(len(found))
+    layer = np.arange(len(below))
     wide, fine = settings.support_spacing, min(settings.support_interface_spacing, settings.support_spacing)
     parts = []
     # The first layer is dense, so that it holds on to the bed.

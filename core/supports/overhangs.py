@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..fill.walls import offset, simplified
+from ..fill.walls import offset, offset_outlines, simplified
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..records import dataclass
@@ -113,7 +113,7 @@ def overhangs(regions: Shapes, reach: FloatArray) -> Shapes:
     (outlines,) = geos_in_threads(lambda part: (simplified(part, TOLERANCE_MM),), regions)
 
     def chunk(above: Shapes, below: Shapes, allowed: FloatArray) -> tuple[Shapes]:
-        held = offset(below, allowed)
+        held = offset_outlines(below, allowed)
         shapely.prepare(held)
         found = nothing(len(above))
         rows = np.flatnonzero(~shapely.covers(held, above))

@@ -54,8 +54,8 @@ def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray
     if settings.support_from == "bed":
         found = standing_on_bed(found)
     found = steady(found, needed, taken, settings.layer_height)
-    close = interface(found, needed.area, settings)
-    return Supports(support_lines(found, close, settings), found)
+    close, below = interface(found, needed.area, settings)
+    return Supports(support_lines(below, close, settings), found)
 
 
 def on_bed(region: Geometry, area: Geometry, settings: PrintSettings) -> Geometry:

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ..contours.contours import Contours
-from ..fill.walls import offset, simplified
+from ..fill.walls import offset_outlines
 from ..model import FloatArray, Shapes
 from ..parallel import geos_in_threads
 from ..pattern.wave import valley_lines
@@ -19,8 +19,8 @@ from .grid_overlay import GRID_MM, SIMPLIFY_MM
 
 # The object's outlines may differ from the true ones by this much, mm.
 _TOLERANCE_MM = 0.03
-# Distances are longer by all that the shapes may be off.
-_MARGIN_MM = 2 * _TOLERANCE_MM + 2 * SIMPLIFY_MM + 2 * GRID_MM
+# Distances are longer by all that the shapes may be off, and by what sharp edges stand out of the smooth contour.
+_MARGIN_MM = 3 * _TOLERANCE_MM + 2 * SIMPLIFY_MM + 2 * GRID_MM
 
 
 def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settings: PrintSettings) -> Shapes:
@@ -41,18 +41,14 @@ def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settin
     outside = inside_of_lines(lines, crest, len(cut.polygons), _TOLERANCE_MM)
     parts, owner = shapely.get_parts(outside, return_index=True)
     crests = gathered(parts, cut.polygon_layer[owner], len(cut.regions))
-    half = settings.extrusion_width / 2
     wall = line_widths(np.arange(len(cut.regions)), settings) / 2
+    room = wall + settings.extrusion_width / 2 + _MARGIN_MM
 
-    def chunk(crest: Shapes, sliced: Shapes, half_wall: FloatArray) -> tuple[Shapes, Shapes]:
-        # The smooth contour leaves the surface in sharp notches, so both count; both are as wide as their strands.
-        strands = offset(crest, half_wall + half + _MARGIN_MM)
-        surface = offset(simplified(sliced, _TOLERANCE_MM), half + _MARGIN_MM)
-        touching = shapely.union(strands, surface)
-        beside = offset(touching, settings.support_xy_distance)
-        return simplified(touching, _TOLERANCE_MM), simplified(beside, _TOLERANCE_MM)
+    def chunk(crest: Shapes, room: FloatArray) -> tuple[Shapes, Shapes]:
+        touching = offset_outlines(crest, room)
+        return touching, offset_outlines(touching, np.full(len(room), settings.support_xy_distance))
 
-    touching, beside = geos_in_threads(chunk, crests, cut.regions, wall)
+    touching, beside = geos_in_threads(chunk, crests, room)
     return _with_neighbors(beside, touching, gap)
 
 
@@ -65,6 +61,7 @@ def _with_neighbors(beside: Shapes, touching: Shapes, gap: int) -> Shapes:
         def chunk(whole: Shapes, more: Shapes) -> tuple[Shapes]:
             result = whole.copy()
             # Steep walls stay within the distance to the sides.
+            shapely.prepare(whole)
             rows = np.flatnonzero(~shapely.covers(whole, more))
             result[rows] = shapely.union(whole[rows], more[rows])
             return (result,)

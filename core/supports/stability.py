@@ -8,10 +8,12 @@ import numpy as np
 import shapely
 
 from ..fill.walls import offset, simplified
+from ..mesh.components import components, numbered
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
+from ..ragged import ranges
 from ..slicing.regions import gathered
-from .grid_overlay import SIMPLIFY_MM, difference, once, thickness
+from .grid_overlay import SIMPLIFY_MM, areas, once, thickness
 from .overhangs import Contacts
 
 # Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
@@ -23,7 +25,6 @@ _GROWTH_STEP_MM = 0.25  # so that columns of about one height grow alike
 # Nothing narrower than twice this, mm, is printed.
 _HALF_LEAST_WIDTH_MM = 0.3
 _ARC_SEGMENTS = 4
-_LAYER_SHIFT_MM = 1000.0  # more than the bed: sets the layers apart in the plane for a single search
 
 
 def steady(found: Shapes, needed: Contacts, taken: Shapes, layer_height: float) -> Shapes:
@@ -61,16 +62,13 @@ def _most(values: FloatArray | IntArray, column: IntArray) -> FloatArray:
 def _columns_of(parts: Shapes, layer: IntArray) -> IntArray:
     """(P,) number of the column that each part belongs to: parts that touch from layer to layer are one."""
     upper, lower = _pairs(parts, layer, parts, layer - 1)
-    label = np.arange(len(parts))
-    while True:
-        least = label.copy()
-        np.minimum.at(least, upper, label[lower])
-        np.minimum.at(least, lower, label[upper])
-        least = least[least]
-        if np.array_equal(least, label):
-            number: IntArray = np.unique(label, return_inverse=True)[1].astype(np.int64)
-            return number
-        label = least
+    return _connected(np.append(upper, lower), np.append(lower, upper), len(parts))
+
+
+def _connected(one: IntArray, other: IntArray, count: int) -> IntArray:
+    """(count,) number of the component that each node belongs to, of pairs of nodes that hang together."""
+    every = np.arange(count)
+    return numbered(components(np.stack([np.append(every, one), np.append(every, other)], axis=1))[:count])
 
 
 def _under(parts: Shapes, layer: IntArray, islands: Shapes, island_layer: IntArray) -> IntArray:
@@ -80,17 +78,17 @@ def _under(parts: Shapes, layer: IntArray, islands: Shapes, island_layer: IntArr
 
 
 def _pairs(parts: Shapes, layer: IntArray, others: Shapes, other_layer: IntArray) -> tuple[IntArray, IntArray]:
-    """(other, part) of all that overlap on the same layer."""
-    tree = shapely.STRtree(_set_apart(parts, layer))
-    other, part = tree.query(_set_apart(others, other_layer), predicate="intersects")
-    return other.astype(np.int64), part.astype(np.int64)
-
-
-def _set_apart(shapes: Shapes, layer: IntArray) -> Shapes:
-    points, owner = shapely.get_coordinates(shapes, return_index=True)
-    moved: FloatArray = points + np.column_stack([layer[owner] * _LAYER_SHIFT_MM, np.zeros(len(owner))])
-    copies: Shapes = shapely.set_coordinates(shapes.copy(), moved)
-    return copies
+    """(other, part) of all that overlap on the same layer, by `layer` (P,), which does not decrease, and another."""
+    first = np.searchsorted(layer, other_layer, side="left")
+    count = np.searchsorted(layer, other_layer, side="right") - first
+    other, part = np.repeat(np.arange(len(others)), count), ranges(first, count)
+    one, two = shapely.bounds(others)[other], shapely.bounds(parts)[part]
+    near = ((one[:, :2] <= two[:, 2:]) & (two[:, :2] <= one[:, 2:])).all(axis=1)
+    other, part, same = other[near], part[near], (one[near] == two[near]).all(axis=1)
+    # What joins all sides of a box crosses whatever else does.
+    met = same.copy()
+    met[~same] = shapely.intersects(others[other[~same]], parts[part[~same]])
+    return other[met], part[met]
 
 
 def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, taken: Shapes) -> Shapes:
@@ -99,31 +97,34 @@ def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, t
     for amount in np.unique(growth[growth > 0]):
         rows = np.flatnonzero(growth == amount)
         whole[rows] = once(partial(_grown, by_mm=amount), parts[rows])
+    narrow = np.flatnonzero(growth < _HALF_LEAST_WIDTH_MM)
+    whole[narrow] = once(_opened, whole[narrow])
     grown = np.flatnonzero(growth > 0)
-    (whole[grown],) = geos_in_threads(_clipped, whole[grown], taken[layer[grown]])
+    cut = grown[shapely.intersects(whole[grown], taken[layer[grown]])]
+    (whole[cut],) = geos_in_threads(_clipped, whole[cut], taken[layer[cut]])
     pieces, owner = shapely.get_parts(whole, return_index=True)
-    merged = gathered(pieces, layer[owner], count)
-    (merged,) = geos_in_threads(_united, merged)
-    pieces, owner = shapely.get_parts(merged, return_index=True)
-    pieces, row = shapely.get_parts(once(_opened, pieces), return_index=True)
-    return gathered(pieces, owner[row], count)
+    some = ~shapely.is_empty(pieces)
+    return _united(pieces[some], layer[owner[some]], count)
+
+
+def _united(pieces: Shapes, layer: IntArray, count: int) -> Shapes:
+    """(L,) pieces of each layer; grown columns that overlap become one."""
+    group = _connected(*_pairs(pieces, layer, pieces, layer), len(pieces))
+    shapes, several = gathered(pieces, group, len(pieces)), np.bincount(group, minlength=len(pieces)) > 1
+    shapes[several] = once(lambda some: (shapely.buffer(some, 0.0),), shapes[several])
+    of_group = np.zeros(len(pieces), dtype=np.int64)
+    of_group[group] = layer
+    parts, owner = shapely.get_parts(shapes, return_index=True)
+    return gathered(parts, of_group[owner], count)
 
 
 def _grown(shapes: Shapes, by_mm: float) -> tuple[Shapes]:
-    return (shapely.buffer(shapes, by_mm, quad_segs=_ARC_SEGMENTS),)
+    return (simplified(shapely.buffer(shapes, by_mm, quad_segs=_ARC_SEGMENTS), SIMPLIFY_MM),)
 
 
 def _clipped(shapes: Shapes, taken: Shapes) -> tuple[Shapes]:
-    met = shapely.intersects(shapes, taken)
-    shapes[met] = difference(shapes[met], taken[met])
-    return (shapes,)
-
-
-def _united(shapes: Shapes) -> tuple[Shapes]:
-    """Grown columns that overlap become one."""
-    met = ~shapely.is_valid(shapes)
-    shapes[met] = shapely.buffer(shapes[met], 0.0)
-    return (shapes,)
+    # Edges that were moved run along no others, so that this needs no grid.
+    return _opened(areas(shapely.difference(shapes, taken)))
 
 
 def _opened(shapes: Shapes) -> tuple[Shapes]:
