@@ -11,6 +11,7 @@ from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage
 from ..texture.pyramid import TexturePyramids
 
 _TILES = 64  # along the longer side of a picture
+_MOST_PAINTED = 0.5  # of a picture; with more of it, it is taken for another one
 
 
 def other_layers(
@@ -29,7 +30,7 @@ def repainted_layers(
     layers: int,
     former: tuple[ToneImage, ...],
 ) -> BoolArray | None:
-    """(L,) layers on which tones may differ, all those at least where they do; None where all may.
+    """(L,) layers on which tones may differ, all those at least where they do; None where all may, or most do.
 
     Args:
         pictures: as they are.
@@ -63,11 +64,14 @@ def repainted_layers(
 def _painted_tiles(former: ToneImage, picture: ToneImage) -> tuple[BoolArray, float, float] | None:
     """(R, C) tiles in which a picture differs from the former one, and how many rows and columns of them it has.
 
-    None where that is not enough to know: pictures of another size, or one of both being opaque.
+    None where that is not enough to know (pictures of another size, or one of both being opaque) or not worth it.
     """
     if former.tone.shape != picture.tone.shape:
         return None
     tile, (height, width) = _tile_texels(picture), picture.tone.shape
+    sampled = former.tone[::tile] != picture.tone[::tile]
+    if np.count_nonzero(sampled) > _MOST_PAINTED * sampled.size:
+        return None
     veiled = _differing(former.alpha, picture.alpha, tile)
     if veiled.any() and (former.alpha.min() == 1) != (picture.alpha.min() == 1):
         return None
@@ -110,5 +114,6 @@ def _tile_of(place: FloatArray, tiles: float) -> IntArray:
 def _layers_of(points: BoolArray, lines: Contours, layers: int) -> BoolArray:
     """(layers,) those with points that are marked (N,)."""
     found = np.zeros(layers, dtype=bool)
-    found[lines.layer[np.searchsorted(lines.start, np.flatnonzero(points), side="right") - 1]] = True
+    if len(points):
+        found[lines.layer[np.logical_or.reduceat(points, lines.start[:-1])]] = True
     return found
