@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..core.model import FloatArray
 from ..core.settings.printer import PrinterProfile
+from .rig import move, movers
 from .units import mm_per_unit
 
 _ROUNDING_MM = 1e-3
@@ -61,17 +63,24 @@ def reach_lines(printer: PrinterProfile, tool: int) -> FloatArray:
 
 
 def scale_to_height(obj: bpy.types.Object, height_mm: float) -> float:
-    """Scale an object evenly about its origin until it is that high in the world.
+    """Scale an object evenly about its origin until it is that high in the world, its armature and the like with it.
 
     Returns:
         The factor; 1 for an object without a height, which stays as it is.
+
+    Raises:
+        MeshError: what shapes it belongs to another file.
     """
     now = float(np.ptp(bounds_mm([obj]), axis=0)[2])
     if not now > 0:
         return 1.0
     factor = height_mm / now
-    obj.scale = [side * factor for side in obj.scale]
-    bpy.context.view_layer.update()
+    if movers(obj) == [obj]:  # no matrix, in which shear from a turned parent would be lost
+        obj.scale = [side * factor for side in obj.scale]
+        bpy.context.view_layer.update()
+    else:
+        origin = Matrix.Translation(obj.matrix_world.translation)
+        move(obj, origin @ Matrix.Scale(factor, 4) @ origin.inverted())
     return factor
 
 

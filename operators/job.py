@@ -18,11 +18,11 @@ Steps = Generator[Progress, None, str]
 
 @dataclass(frozen=True)
 class RunningJob:
-    """Progress of the running job, and the bl_idname of its operator."""
+    """The running job and its progress."""
 
     share: float
     stage: str
-    operator: str
+    job: JobOperator | None
 
 
 class JobOperator:
@@ -32,8 +32,6 @@ class JobOperator:
     running: RunningJob | None = None
     outcome = "INFO"
     """How the message at the end is reported; a job that has found something sets it to WARNING."""
-
-    _current: JobOperator | None = None
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """The job.
@@ -63,7 +61,6 @@ class JobOperator:
             self.report({"WARNING"}, f"Wait for the end of the job that is running ({JobOperator.running.stage})")
             return {"CANCELLED"}
         manager = context.window_manager
-        JobOperator._current = self
         self._job, self._workspace = self.steps(context), context.workspace
         self._timer = manager.event_timer_add(0.02, window=context.window)
         manager.progress_begin(0, 100)
@@ -88,6 +85,8 @@ class JobOperator:
             outcome = {"FINISHED"}
         except PrintError as problem:
             self.report({"ERROR"}, with_labels(str(problem)))
+        except ReferenceError:  # how Blender tells that what a name stood for is gone
+            self.report({"ERROR"}, "What the job worked on was deleted meanwhile: undo that, or choose another object")
         finally:
             if outcome != {"RUNNING_MODAL"}:
                 self.cancel(context)
@@ -95,7 +94,7 @@ class JobOperator:
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Stop the job wherever it is; Blender calls this too when its window closes."""
-        JobOperator.running = JobOperator._current = None
+        JobOperator.running = None
         self._job.close()
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
@@ -104,7 +103,7 @@ class JobOperator:
         _redraw_sidebars(context)
 
     def _show(self, context: bpy.types.Context, share: float, stage: str) -> None:
-        JobOperator.running = RunningJob(share, stage, type(self).bl_idname)
+        JobOperator.running = RunningJob(share, stage, self)
         context.window_manager.progress_update(100 * share)
         self._workspace.status_text_set(f"Dual Color: {stage} ({share:.0%})    Esc: cancel")
         _redraw_sidebars(context)
@@ -112,8 +111,8 @@ class JobOperator:
 
 def stop_job(context: bpy.types.Context) -> None:
     """Stop the running job, if there is one: Blender does not notify it when the extension is disabled."""
-    if JobOperator._current:
-        JobOperator._current.cancel(context)
+    if JobOperator.running and JobOperator.running.job:
+        JobOperator.running.job.cancel(context)
 
 
 def _redraw_sidebars(context: bpy.types.Context) -> None:

@@ -8,6 +8,7 @@ from ..bridge.analysis.orientations import keep_orientations, orientations_of, t
 from ..bridge.analysis.overlays import remove_analysis
 from ..bridge.strands.preview import source_of
 from ..core.analysis.study import orientations
+from ..core.errors import PrintError
 from .generate import active_model
 from .job import JobOperator, Steps
 from .polls import has_printable
@@ -60,7 +61,11 @@ class DUALCOLOR_OT_apply_orientation(bpy.types.Operator):
         if self.number >= count:
             self.report({"ERROR"}, f"There are only {count} orientations")
             return {"CANCELLED"}
-        degrees = turn(obj, self.number)
+        try:
+            degrees = turn(obj, self.number)
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
         remove_analysis(obj)
         self.report({"INFO"}, f"{obj.name} turned by {degrees:.0f}°")
         return {"FINISHED"}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import bpy
 import numpy as np
 
@@ -9,10 +11,12 @@ from ..bridge.bed import bounds_mm, scale_to_height
 from ..bridge.properties import repaint_proof
 from ..bridge.strands.preview import source_of
 from ..bridge.units import LENGTH_DIGITS, mm_per_unit, use_millimeters
+from ..core.errors import PrintError
 from .polls import MAKE_LOCAL, has_printable
 from .viewing import frame_selected
 
 _USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0
+_CLOSE = 1e-3
 
 
 class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
@@ -47,7 +51,7 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the height, which is as it was if it can be; a scene in meters is best changed at this moment."""
-        now = float(np.ptp(bounds_mm([source_of(context.object)]), axis=0)[2])
+        now = _height(source_of(context.object))
         self.height = now if _LEAST_MM < now <= _MOST_MM else _USUAL_MM
         self.scene_in_mm = mm_per_unit(context.scene) != 1.0
         return context.window_manager.invoke_props_dialog(self)
@@ -55,14 +59,26 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Scale, and show the object as large as the view allows."""
         obj = source_of(context.object)
-        if not np.ptp(bounds_mm([obj]), axis=0)[2] > 0:
+        if not _height(obj) > 0:
             self.report({"ERROR"}, f"{obj.name} is flat: it has no height to scale")
             return {"CANCELLED"}
         if self.scene_in_mm:
             use_millimeters(context.scene)
-        scale_to_height(obj, self.height)
+        try:
+            scale_to_height(obj, self.height)
+        except PrintError as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
         for other in context.scene.objects if self.scene_in_mm else ():
             repaint_proof(other)
         frame_selected(context)
-        self.report({"INFO"}, f"{obj.name} is {self.height:.1f} mm high")
+        now = _height(obj)
+        if math.isclose(now, self.height, rel_tol=_CLOSE):
+            self.report({"INFO"}, f"{obj.name} is {now:.1f} mm high")
+        else:
+            self.report({"WARNING"}, f"{obj.name} is {now:.1f} mm high: a constraint, driver or keyframe sets its size")
         return {"FINISHED"}
+
+
+def _height(obj: bpy.types.Object) -> float:
+    return float(np.ptp(bounds_mm([obj]), axis=0)[2])

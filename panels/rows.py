@@ -57,6 +57,6 @@ def wrapped(text: str, width_px: float, scale: float) -> list[str]:
 def draw_progress(layout: bpy.types.UILayout, *operators: type[bpy.types.Operator]) -> None:
     """How far the job has come, if it is one of these operators'."""
     running = JobOperator.running
-    if running and running.operator in {operator.bl_idname for operator in operators}:
+    if running and isinstance(running.job, operators):
         layout.progress(factor=running.share, text=running.stage)
         layout.label(text="Esc cancels", icon="CANCEL")

@@ -45,11 +45,11 @@ class Findings:
 
 TITLES = {
     "open_edges": "Open edges",
-    "branching_edges": "Edges of more than two faces",
+    "branching_edges": "Branching edges",
     "flipped_faces": "Flipped faces",
     "crossing_faces": "Crossing faces",
-    "flat_faces": "Faces without an area",
-    "thin_faces": "Walls thinner than two lines",
+    "flat_faces": "Faces without area",
+    "thin_faces": "Thin walls",
 }
 """What each kind of finding is called."""
 

@@ -13,6 +13,7 @@ from mathutils import Matrix, Vector
 from ...core.analysis.orientation import Orientation, upright
 from ..bed import bounds_mm
 from ..kept import kept_json
+from ..rig import move
 from ..units import mm_per_unit
 
 ORIENTATIONS_KEY = "dualcolor_orientations"
@@ -34,8 +35,13 @@ def orientations_of(source: bpy.types.Object) -> list[dict[str, Any]]:
 def turn(source: bpy.types.Object, number: int) -> float:
     """Turn an object into one of its orientations, about its middle; its lowest point stays at its height.
 
+    What shapes it, such as its armature, is turned with it.
+
     Returns:
         By how many degrees.
+
+    Raises:
+        MeshError: what shapes it belongs to another file.
     """
     own_up = np.array(orientations_of(source)[number]["own_up"])
     up = np.linalg.solve(np.array(source.matrix_world)[:3, :3].T, own_up)
@@ -43,9 +49,7 @@ def turn(source: bpy.types.Object, number: int) -> float:
     unit = mm_per_unit(bpy.context.scene)
     before = bounds_mm([source]) / unit
     middle = Matrix.Translation(Vector(before.mean(axis=0)))
-    source.matrix_world = middle @ Matrix(rotation.tolist()).to_4x4() @ middle.inverted() @ source.matrix_world
-    bpy.context.view_layer.update()
+    move(source, middle @ Matrix(rotation.tolist()).to_4x4() @ middle.inverted())
     shift = before[0, 2] - bounds_mm([source])[0, 2] / unit
-    source.matrix_world = Matrix.Translation((0.0, 0.0, shift)) @ source.matrix_world
-    bpy.context.view_layer.update()
+    move(source, Matrix.Translation((0.0, 0.0, shift)))
     return float(np.degrees(np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1.0, 1.0))))

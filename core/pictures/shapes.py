@@ -167,7 +167,8 @@ def fitted(image: ToneImage, shape: PictureShape, *, auto_contrast: bool = False
     columns, rows = shape.columns - 2 * shape.frame, shape.rows - 2 * shape.frame
     high, wide = image.tone.shape
     scale = min(wide / columns, high / rows)
-    margin = (wide - columns * scale) / 2, (high - rows * scale) / 2
+    # Of the side that sets the scale nothing is cut; rounding could make that a bit less than nothing.
+    margin = max((wide - columns * scale) / 2, 0.0), max((high - rows * scale) / 2, 0.0)
     box = margin[0], margin[1], wide - margin[0], high - margin[1]
     alpha = np.clip(_resized(image.alpha, (columns, rows), box), 0.0, 1.0)
     paint = np.clip(_resized(image.tone * image.alpha, (columns, rows), box), 0.0, alpha)

@@ -67,6 +67,13 @@ def test_the_timer_advances_the_job_to_its_end():
     assert window.timers == 0 and window.status is None and JobOperator.running is None
 
 
+def test_a_job_whose_object_is_deleted_says_so():
+    job = Pretended(ReferenceError("StructRNA of type Object has been removed"))
+    window, outcome = events(job, ["TIMER"] * 3)
+    assert outcome[-1] == {"CANCELLED"} and JobOperator.running is None and window.timers == 0
+    assert job.reports[0][0] == "ERROR" and "deleted" in job.reports[0][1]
+
+
 def test_a_second_job_waits_for_the_first():
     window, _ = events(Pretended(), ["TIMER"])
     second = Pretended()

@@ -206,3 +206,12 @@ def test_averages_leave_out_what_is_not_seen():
     np.testing.assert_allclose(means[:, 0], [np.arange(1, 10).mean(), np.arange(10, 20).mean()])
     assert correlation(np.array([1.0, 2.0, np.nan]), np.array([2.0, 4.0, 9.0])) == pytest.approx(1)
     assert correlation(np.ones(3), np.arange(3.0)) == 0
+
+
+@pytest.mark.parametrize("size", [(451, 300), (300, 451), (449, 299), (7, 5)])
+def test_pictures_of_any_size_are_fitted_to_plates_of_their_proportions(size):
+    wide, high = size
+    image = ToneImage(np.full((high, wide), 0.5, dtype=np.float32), np.ones((high, wide), dtype=np.float32))
+    for height in np.arange(10, 60, 0.5):
+        shape = picture_plate(height * wide / high, height, 2, SETTINGS)
+        assert fitted(image, shape).tone.shape == (shape.rows, shape.columns)

@@ -1,0 +1,48 @@
+"""Moving an object together with what shapes its mesh from outside: its armature, lattice, hooks, cutters."""
+
+from __future__ import annotations
+
+import bpy
+from mathutils import Matrix
+
+from ..core.errors import MeshError
+
+
+def movers(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """The objects to be moved so that an object moves as it looks; the object alone if no modifier names another.
+
+    A posed mesh that is scaled or turned without its armature is bent in other places. Children of others in the list
+    are left out: they come along.
+    """
+    found = {obj.name: obj}
+    for modifier in obj.modifiers:
+        named = (getattr(modifier, name) for name in _object_properties(modifier))
+        found |= {other.name: other for other in named if other}
+    return [each for each in found.values() if not any(above in found.values() for above in _parents(each))]
+
+
+def move(obj: bpy.types.Object, transform: Matrix) -> None:
+    """Apply a transform of the world to an object and to what shapes it.
+
+    Raises:
+        MeshError: one of them belongs to another file; nothing has been moved.
+    """
+    moved = movers(obj)
+    for each in moved:
+        if not each.is_editable:
+            raise MeshError(f"{each.name} belongs to another file", "make it local first (Object > Relations)")
+    for each in moved:
+        each.matrix_world = transform @ each.matrix_world
+    bpy.context.view_layer.update()
+
+
+def _object_properties(modifier: bpy.types.Modifier) -> list[str]:
+    declared = modifier.bl_rna.properties
+    return [each.identifier for each in declared if each.type == "POINTER" and each.fixed_type.identifier == "Object"]
+
+
+def _parents(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    above = []
+    while obj := obj.parent:
+        above.append(obj)
+    return above
