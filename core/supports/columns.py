@@ -17,7 +17,7 @@ _SLIVER_MM2 = 0.05
 
 
 def columns(needed: Contacts, taken: Shapes) -> Shapes:
-    """(L,) areas of support: under each contact straight down until the object is in the way.
+    """(L,) areas of support: from each contact straight down, until the object is in the way.
 
     Columns that meet nothing are handed down untouched from layer to layer.
 
@@ -69,7 +69,7 @@ def _sizeable(shapes: Shapes) -> Shapes:
 
 
 def standing_on_bed(found: Shapes) -> Shapes:
-    """(L,) only what reaches the bed: the part of each layer above the part below that does."""
+    """(L,) the parts of columns that reach the bed: on each layer what lies above such a part of the layer below."""
     standing = found.copy()
     for layer in range(1, len(standing)):
         parts, below = shapely.get_parts(standing[layer]), standing[layer - 1]

@@ -48,7 +48,7 @@ def thickness(shapes: Shapes) -> FloatArray:
 
 
 def once(function: Callable[[Shapes], tuple[Shapes]], shapes: Shapes) -> Shapes:
-    """(N,) what a function makes of each shape, in threads, asked once where shapes are the same."""
+    """(N,) a function of each shape, computed once for shapes that are the same object, in threads."""
     _, first, same = _alike(shapes)
     (made,) = geos_in_threads(function, shapes[first])
     return np.asarray(made[same])

@@ -96,7 +96,7 @@ def support_lines(below: Shapes, close: Shapes, settings: PrintSettings) -> Path
 
 
 def _filled(areas: Areas, width: float) -> list[Paths]:
-    """Lines, and a loop around each part so narrow that they would not stand by themselves."""
+    """Lines, and a loop around each part that is too narrow for them to stand without it."""
     parts, owner = shapely.get_parts(areas.shapes, return_index=True)
     printable = shapely.length(parts) > 2 * width
     parts, owner = parts[printable], owner[printable]

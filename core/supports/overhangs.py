@@ -88,13 +88,13 @@ def _as_wished(regions: Shapes, hanging: Shapes, wished: Marks) -> tuple[Shapes,
 
 
 def _reach(layers: Layers, settings: PrintSettings) -> FloatArray:
-    """(L,) mm, how far each layer may jut out over the one below."""
+    """(L,) mm, how far each layer may jut out over the layer below without support."""
     rise = np.diff(layers.plane, prepend=0.0)
     return np.asarray(rise / np.tan(np.radians(settings.support_threshold_angle)))
 
 
 def _slant(settings: PrintSettings) -> int:
-    """Layers that the steepest slope with a support takes to get clear of what the object keeps free beside it."""
+    """Layers within which the steepest supported slope leaves the air that is kept free beside the object."""
     beside = settings.wave_depth_max / 2 + settings.support_xy_distance + settings.extrusion_width
     rise = beside * np.tan(np.radians(settings.support_threshold_angle))
     return int(min(np.ceil(rise / settings.layer_height), _GREATEST_SLANT))

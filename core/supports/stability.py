@@ -1,4 +1,4 @@
-"""Thin columns of support: those not worth printing are dropped, the others made thick enough to stand."""
+"""Makes supports stable: thin columns are dropped if they are not worth printing, else thickened."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _most(values: FloatArray | IntArray, column: IntArray) -> FloatArray:
 
 
 def _columns_of(parts: Shapes, layer: IntArray) -> IntArray:
-    """(P,) number of the column that each part belongs to: parts that touch from layer to layer are one."""
+    """(P,) number of each part's column: parts that touch from layer to layer are one column."""
     upper, lower = _pairs(parts, layer, parts, layer - 1)
     return _connected(np.append(upper, lower), np.append(lower, upper), len(parts))
 

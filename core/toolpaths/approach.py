@@ -32,7 +32,7 @@ class Approach:
         changes: (K,) the tool is changed before it.
         retracts: (K,) a long travel with retraction.
         travels: (K,) any travel; True wherever one of the others is.
-        wipe: (K,) mm that the nozzle goes over the path before while the filament is pulled back.
+        wipe: (K,) mm that the nozzle moves back over the path before while the filament is pulled back.
         via: (K,) how many places it passes on the way.
         places: (V, 2) mm, those places, path by path.
         hops: whether the nozzle is lifted on travels with retraction.
@@ -148,7 +148,7 @@ def fill_approaches(
 
 
 def _change_tool(between: _Connections, settings: PrintSettings) -> None:
-    """Write the moves of tool changes once the filament is pulled back: lift, way of the new tool, descent, priming."""
+    """Write the moves of tool changes after the filament is pulled back: lift, travel, descent, priming."""
     table, approach = between.table, between.approach
     chosen = np.flatnonzero(approach.changes)
     row = between.first[chosen] + approach.pulls[chosen]
@@ -162,7 +162,7 @@ def _change_tool(between: _Connections, settings: PrintSettings) -> None:
 
 
 def _travel_retracted(between: _Connections, settings: PrintSettings) -> None:
-    """Write the moves of travels with retraction once the filament is pulled back: lift, travel, descent, priming."""
+    """Write the moves of travels with retraction after the filament is pulled back: lift, travel, descent, priming."""
     table, approach = between.table, between.approach
     chosen = np.flatnonzero(approach.retracts)
     row = between.first[chosen] + approach.pulls[chosen]
@@ -195,7 +195,7 @@ def _belongs_to_the_path_before(between: _Connections, chosen: IntArray, row: In
 
 
 def _pass_by(between: _Connections, settings: PrintSettings) -> None:
-    """Write the travels by way of other places; those have the height of the travel, which stays on its layer."""
+    """Write the places on the way of travels, at the height of the travel."""
     position, approach = between.table.position, between.approach
     lifted = approach.retracts & approach.hops
     row = ranges(between.first + approach.pulls + lifted, approach.via)
@@ -247,7 +247,7 @@ def _along(paths: OrderedPaths, arc: FloatArray, chosen: IntArray, way: FloatArr
 
 
 def _arcs(paths: OrderedPaths, length: FloatArray) -> FloatArray:
-    """(N,) mm along all paths one after the other, 1 mm between each and the next."""
+    """(N,) mm along all paths, one after the other with 1 mm in between."""
     step = length[:-1].copy()
     step[paths.start[1:-1] - 1] = 1.0
     return np.concatenate([[0.0], np.cumsum(step)])

@@ -29,14 +29,14 @@ def assemble(
 ) -> Moves:
     """All moves of the print.
 
-    A tool change is: pull the old filament back, lift, change and travel to the next path above the print, come down,
-    prime.
+    At a tool change the old filament is pulled back and the nozzle lifted; the new tool travels to the next path above
+    the print, comes down and primes.
 
     Args:
         paths: K paths in printing order.
         layers: the stack.
         settings: of the print.
-        within: where travels stay unseen, if that is known.
+        within: the rooms inside which travels stay unseen; None if all travels are straight.
         single_color: print all layers with tool 0, for comparison.
     """
     tool = np.zeros_like(paths.layer) if single_color else tool_of_paths(paths.layer, paths.swapped, settings)
@@ -108,7 +108,7 @@ def _extrusions(
 
 
 def _arriving_at(paths: OrderedPaths, approach: IntArray, first_row: IntArray, before: IntArray) -> IntArray:
-    """(M,) the point at which each row's line arrives; that of an approach arrives at its path's first one.
+    """(M,) the point at which each row's move arrives; those of an approach arrive at the first point of its path.
 
     Args:
         paths: K, in printing order.

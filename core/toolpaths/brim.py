@@ -16,7 +16,7 @@ _CORNER_TOLERANCE_MM = 0.02
 
 
 def brim_area(first_layer: shapely.Geometry, settings: PrintSettings) -> shapely.Geometry:
-    """What the brim covers, and the first layer with it; holes that are open to the outside nowhere stay free."""
+    """The first layer together with its brim; closed holes get no brim inside."""
     loops = _loops(settings)
     if not loops or first_layer.is_empty:
         return first_layer
@@ -44,7 +44,7 @@ def brim_paths(first_layer: shapely.Geometry, settings: PrintSettings) -> Paths:
 
 
 def _nested(levels: list[NDArray[np.object_]]) -> list[shapely.Geometry]:
-    """Rings so ordered that each follows the one around it, and all within a ring come before its neighbor.
+    """Order rings so that each follows the ring around it, and all rings inside one come before its neighbor.
 
     Args:
         levels: rings from the outermost level in; each lies within one of the level before.

@@ -1,4 +1,4 @@
-"""Rings of polygons as closed paths."""
+"""Boundary rings of polygons as closed paths: brim, skirt, shield and tower are made of them."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..paths import Feature, Paths
 
 
 class Turn(IntEnum):
-    """Island numbers of everything around the object, in printing order; each loop has an island of its own.
+    """First island number of everything around the object, in printing order; each loop has an island of its own.
 
-    A nozzle draws the skirt or primes on the tower before it meets anything that matters. Between two turns there is
-    room for 10,000 loops; islands of the object are not negative.
+    So a nozzle draws the skirt or primes on the tower before it prints anything that matters. All are negative, unlike
+    the islands of the object, with room for 10,000 loops between two turns.
     """
 
     SKIRT = -60_000

@@ -1,4 +1,4 @@
-"""In which order, and which way round, the paths of each layer are printed."""
+"""The printing order of the paths of each layer, and the direction in which each is printed."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class OrderedPaths:
 
 
 def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
-    """Order all layers: skirt, tower and supports first, then region by region, the nearest next; walls before fill.
+    """Order all layers: skirt, tower and supports, then region by region, always the nearest next; walls before fill.
 
     Paths of a layer's second tool come after all those of its first one.
 

@@ -18,7 +18,7 @@ _HARDLY_A_WAVE = 1.0  # line widths deep: the strand covers what a straight one 
 
 
 def outer_wall_paths(waved: WavedOutlines) -> Paths:
-    """One closed path per outline, or open ones where two tools share it; the island is the region that it bounds."""
+    """One closed path per outline, or several open ones if two tools share it; its island is the region it bounds."""
     if waved.swapped is not None:
         return _shared(waved, waved.swapped)
     loops = len(waved.layer)
@@ -38,7 +38,7 @@ def _shared(waved: WavedOutlines, swapped: BoolArray) -> Paths:
 
     Args:
         waved: the outlines, N points.
-        swapped: (N,) bool, what the other tool prints.
+        swapped: (N,) bool, points whose line the other tool prints.
     """
     start, count = waved.start, np.diff(waved.start)
     begins = swapped != swapped[preceding(start)]
@@ -78,7 +78,7 @@ def inside_of_wall(
         lines: contours that they swing about.
         depth: (N,) mm, of the wave at each contour point.
         set_back: (N,) mm.
-        polygons: I.
+        polygons: number of sliced regions, I.
         tolerance: mm, by which the result may be simplified.
     """
     if depth.any():
@@ -94,13 +94,13 @@ def inside_of_lines(lines: Contours, moved: FloatArray, polygons: int, tolerance
 def straight_parts(
     lines: Contours, depth: FloatArray, set_back: FloatArray, polygons: int, settings: PrintSettings
 ) -> Shapes:
-    """(I,) MultiLineStrings, where the outer wall of each sliced region has hardly any wave, beside others that do.
+    """(I,) MultiLineStrings: parts with hardly any wave of outer walls that have waves elsewhere.
 
     Args:
         lines: contours that the outlines swing about.
         depth: (N,) mm, of the wave at each contour point.
         set_back: (N,) mm.
-        polygons: I.
+        polygons: number of sliced regions, I.
         settings: tell whether there are waves at all, without which no part is found.
     """
     found = np.full(polygons, shapely.MultiLineString(), dtype=object)
@@ -123,7 +123,7 @@ def straight_parts(
 def _inside(
     before: FloatArray, after: FloatArray, start: IntArray, polygon: IntArray, polygons: int, tolerance: float
 ) -> Shapes:
-    """(polygons,) regions that loops bound, from where their points were and are, and the region of each loop."""
+    """(polygons,) what the loops of each region bound after their points have moved; `polygon` (M,) is that region."""
     area, area_after = _signed_area(before, start), _signed_area(after, start)
     # A line that turned inside out has no inside left; a hole that did is gone the other way and stays a hole.
     shells, holes = np.flatnonzero((area > 0) & (area_after > 0)), np.flatnonzero((area <= 0) & (area_after != 0))
@@ -156,7 +156,7 @@ def _pierced(regions: Shapes, holes: Shapes, owner: IntArray) -> Shapes:
 def _rings(points: FloatArray, start: IntArray, loops: IntArray, tolerance: float) -> Shapes:
     """(K,) simplified regions that K of the loops bound, holes as well.
 
-    Where a loop folds over itself, the folds go, which run backwards around nothing: simplifying mends what it returns.
+    Folds of loops that cross themselves run backwards around nothing; simplifying leaves them out.
     """
     rings = ring_polygons(points, start, loops, np.arange(len(loops) + 1))
     return geos_in_threads(lambda some: (shapely.simplify(some, tolerance, preserve_topology=False),), rings)[0]

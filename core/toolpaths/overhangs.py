@@ -68,9 +68,9 @@ class Below:
 
 
 def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -> Undersides | None:
-    """Where the faces are so flat that the outline may move by more than a line's width from a layer to the next.
+    """Find where faces are so flat that an outline may move by more than a line's width from one layer to the next.
 
-    Where all faces are steeper, every line lies on a line.
+    Everywhere else each line of a wall lies at least partly on a line of the layer below.
 
     Args:
         mesh: as sliced.

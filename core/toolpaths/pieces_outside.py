@@ -1,4 +1,4 @@
-"""The pieces of straight travels outside the rooms that they start in, for all travels at once."""
+"""Where straight travels leave the rooms in which they start: the pieces outside, for all travels at once."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def pieces_outside(begin: FloatArray, end: FloatArray, walls: Boundaries, room: 
 def _crossings(
     number: IntArray, begin: FloatArray, end: FloatArray, walls: Boundaries, room: IntArray
 ) -> tuple[IntArray, FloatArray, IntArray, FloatArray]:
-    """The line, the share of it, the ring and the arc at each crossing of rays from some begins through their ends."""
+    """For each crossing of some lines with the walls: the line, the share of it before, the ring, and the arc there."""
     count = walls.start[room + 1] - walls.start[room]
     vertex = ranges(walls.start[room], count)
     (x, y), along = walls.points.T, end - begin

@@ -93,7 +93,7 @@ def _reach(printer: PrinterProfile) -> tuple[FloatArray, FloatArray]:
 
 
 def _cost(places: FloatArray, target: FloatArray) -> FloatArray:
-    """Way from the target; of equal ones the rightmost is best. Rounded, so that all machines choose alike."""
+    """Distance from the target, rounded so that all machines choose alike; of equal places the rightmost is best."""
     return np.asarray(np.round(np.hypot(*(places - target).T), 6) - 1e-9 * places[:, 0])
 
 

@@ -18,9 +18,9 @@ _SMOOTH_MM = 2.0
 
 
 def raised(layers: Layers, settings: PrintSettings) -> Layers:
-    """The stack with the raft below it; the object's layers keep their heights and come `raft_layers` later.
+    """The stack with the raft below it: the object's layers keep their heights and come `raft_layers` later.
 
-    The planes, at which the object was cut, are not a number in the raft.
+    The planes at which the object was cut are NaN on layers of the raft.
     """
     count = settings.raft_layers
     if not count:
@@ -41,7 +41,7 @@ def lifted(paths: Paths, settings: PrintSettings) -> Paths:
 
 
 def raft_area(first_layer: shapely.Geometry, settings: PrintSettings) -> shapely.Geometry:
-    """What a raft below `first_layer` covers, in mm, with gaps closed that are hardly wider than the margin."""
+    """The area of a raft below `first_layer`, in mm; gaps hardly wider than the margin are closed."""
     grown = shapely.buffer(first_layer, settings.raft_margin + _SMOOTH_MM)
     return shapely.buffer(grown, -_SMOOTH_MM)
 

@@ -1,4 +1,4 @@
-"""Ways along the boundaries of polygons, for all of them at once."""
+"""Paths along the boundary rings of polygons, for all travels at once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .pieces_outside import Boundaries, Pieces
 def on_rings(
     outside: Pieces, tips: FloatArray, walls: Boundaries, room: IntArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """Where the ends of pieces lie on rings, or are nearest to one where they lie on none.
+    """The place on a ring of both ends of each piece; for an end that is on no ring, the nearest place.
 
     Args:
         outside: P pieces of T lines.
@@ -38,7 +38,7 @@ def on_rings(
 def walks_along(
     walls: Boundaries, ring: IntArray, arc: FloatArray, ends: FloatArray, distance_mm: float
 ) -> tuple[FloatArray, IntArray]:
-    """The shorter ways beside rings from places on them to other ones.
+    """Paths beside rings from one place on a ring to another, the shorter way round.
 
     Args:
         walls: with the rings.
@@ -98,7 +98,7 @@ def _nearest(walls: Boundaries, points: FloatArray, room: IntArray) -> tuple[Int
 
 
 def _unrolled(walls: Boundaries, ring: IntArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Each of (R,) rings twice in a row, so that no way passes its seam.
+    """Each of (R,) rings twice in a row, so that no path passes the seam of its ring.
 
     Returns:
         (N, 2) mm, the vertices; (N,) mm along all rings, ascending; (R,) where each ring begins; (R,) mm, its length.

@@ -1,4 +1,4 @@
-"""Where closed paths start."""
+"""Seams of the print: where closed paths start and end."""
 
 from __future__ import annotations
 
@@ -54,10 +54,10 @@ def has_seam(paths: Paths) -> BoolArray:
 
 
 def valleys(points: FloatArray, start: IntArray, reach: float) -> BoolArray:
-    """(N,) points of closed loops where they step back into the material; all points of a loop that never does.
+    """(N,) bool, points in the valleys of closed loops; all points of a loop without any.
 
-    A point's depth is its distance from the chord between the places `reach` before and behind it on the loop, to
-    the left, where the material is. A valley is a greatest depth of at least half of the loop's greatest.
+    The depth of a point is how far it lies to the left, where the material is, of the chord from `reach` before it to
+    `reach` behind it on the loop. A valley is a local maximum of at least half the loop's greatest depth.
 
     Args:
         points: (N, 2) mm, of loops with the material to their left: counter-clockwise, holes clockwise.

@@ -14,7 +14,7 @@ _SMOOTH_MM = 4.0
 
 
 def shield_area(shadow: shapely.Geometry, settings: PrintSettings) -> shapely.Geometry:
-    """What lies within the shield, itself included; the shadow alone where there is none."""
+    """The area that the shield encloses, itself included; the shadow alone without a shield."""
     if not settings.ooze_shield or shadow.is_empty:
         return shadow
     return shapely.buffer(_walls(shadow, settings), settings.extrusion_width / 2)

@@ -39,7 +39,7 @@ class Ground:
 
 
 def shadow(lines: FloatArray, columns: NDArray[np.object_], settings: PrintSettings) -> shapely.Geometry:
-    """What all layers cover, holes filled, with the waves that may stand out, and about half a millimeter more.
+    """The outline of all layers seen from above, holes filled, waves included, about half a millimeter larger.
 
     Args:
         lines: (N, 2) mm, points of the contours.
@@ -68,11 +68,11 @@ def shadow(lines: FloatArray, columns: NDArray[np.object_], settings: PrintSetti
 
 
 def ground(shade: shapely.Geometry, region: shapely.Geometry, walls: Paths, settings: PrintSettings) -> Ground:
-    """Look at the object and its supports from above.
+    """The object and its supports seen from above.
 
     Args:
         shade: their `shadow`.
-        region: Polygon or MultiPolygon, what of the first layer is not in the walls.
+        region: Polygon or MultiPolygon, the first layer's cross-section and supports, to which its walls are added.
         walls: the waved outlines, of the first layer at least.
         settings: the extrusion widths and the raft are used.
     """

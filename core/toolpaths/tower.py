@@ -92,7 +92,7 @@ def _first_width(settings: PrintSettings) -> float:
 
 
 def _w(depth: float, line_width: float) -> FloatArray:
-    """(5, 2) mm, counter-clockwise: a W whose ends are joined by a bar, its middle a line's width from the bar."""
+    """(5, 2) mm, counter-clockwise: a W whose ends are joined by a bar, its middle a line's width off the bar."""
     half = PROPORTION * depth / 2
     x = half * np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
     y = np.array([depth / 2, -depth / 2, depth / 2 - line_width, -depth / 2, depth / 2])

@@ -73,10 +73,10 @@ def straight(paths: OrderedPaths) -> Travels:
 
 
 def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) -> Travels:
-    """Look at every longer travel inside an island of the object.
+    """Find the way of every travel, and whether it is hidden; only longer ones inside an island are looked at.
 
-    One that would leave the inside of the wall follows the wall's inner side instead, the shorter way round, unless
-    that is too far.
+    A travel that would cross the outer wall follows its inner side instead, the shorter way round, unless that takes
+    too long.
 
     Args:
         paths: K, in printing order.
@@ -120,14 +120,14 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
 
 
 def copies(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
-    """Copies, for a shape that is prepared must not be shared with another thread; of a shape that recurs only one."""
+    """Copies of shapes, one for each distinct shape: a prepared shape must not be shared with another thread."""
     _, first, same = np.unique([id(shape) for shape in shapes.tolist()], return_index=True, return_inverse=True)
     copied: NDArray[np.object_] = shapely.force_2d(shapes[first])[same]
     return copied
 
 
 def _wall_depth(settings: PrintSettings) -> float:
-    """Mm from the outermost point of the outer wall's line to its inside, with what the inside is simplified by."""
+    """Depth of the outer wall, mm: from its line's outermost point to its inside, simplification included."""
     return 2 * settings.wave_crest + 2 * _TOLERANCE_MM
 
 
@@ -140,7 +140,7 @@ def _covers(shapes: NDArray[np.object_], lines: NDArray[np.object_]) -> BoolArra
 
 
 def _leaves(lines: NDArray[np.object_], room: NDArray[np.object_], reach: float) -> BoolArray:
-    """(T,) lines of which some piece outside their room is longer than `reach`, mm: they cross the wall."""
+    """(T,) which lines cross the wall: a piece of them outside their room is longer than `reach`, mm."""
     leaves = ~_covers(room, lines)
     piece, owner = shapely.get_parts(shapely.difference(lines[leaves], room[leaves]), return_index=True)
     leaves[leaves] = _longest(owner, shapely.length(piece), int(leaves.sum())) > reach
@@ -148,7 +148,7 @@ def _leaves(lines: NDArray[np.object_], room: NDArray[np.object_], reach: float)
 
 
 def _longest(owner: IntArray, length: FloatArray, count: int) -> FloatArray:
-    """(count,) the greatest length that each owner has, 0 without any."""
+    """(count,) the greatest of each owner's lengths, 0 for an owner without any."""
     longest = np.zeros(count)
     np.maximum.at(longest, owner, length)
     return longest
@@ -164,7 +164,7 @@ def _around(
 ) -> NDArray[np.object_]:
     """(T,) lines whose pieces outside their room follow its boundary, beside it; where that fails, straight.
 
-    What a line leaves a room by and comes back in by lie on the same ring: outside of it is one connected place.
+    A line leaves a room and comes back through the same ring, since what lies beyond a ring is connected.
 
     Args:
         tips: (T, 2, 2) mm, where the lines begin and end.
