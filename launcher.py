@@ -6,6 +6,7 @@ import importlib.util
 import os
 import signal
 import sys
+from io import TextIOWrapper
 from pathlib import Path
 from types import ModuleType
 
@@ -27,7 +28,10 @@ def load_package() -> ModuleType:
 
 
 def open_standard_streams() -> None:
-    """Give the process the standard streams that it was started without: a file opened later would take their place."""
+    """Give the process the standard streams that it was started without: a file opened later would take their place.
+
+    What a terminal's encoding lacks is shown as a question mark.
+    """
     for descriptor in range(3):
         try:
             os.fstat(descriptor)
@@ -35,6 +39,9 @@ def open_standard_streams() -> None:
             os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115  (None where there was no stream)
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")
 
 
 def main() -> int:

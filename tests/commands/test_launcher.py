@@ -34,6 +34,12 @@ def test_a_print_needs_no_terminal(tmp_path, closed):
     assert "; object = box" in gcode and gcode.endswith("\n")  # nothing has been written among it
 
 
+def test_a_terminal_without_unicode_shows_question_marks(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONIOENCODING", "ascii")
+    assert shell(tmp_path, "> out.txt") == (0, "")
+    assert "box: 20.0 ? 20.0 ? 20.0 mm" in (tmp_path / "out.txt").read_text()
+
+
 def test_what_nobody_reads_is_no_failure_but_a_full_disk_is():
     read, write = os.pipe()
     os.close(read)
