@@ -95,7 +95,10 @@ def _warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSet
         warnings.append(f"outlines that cross were united: in {cut.united_layers} of {len(cut.layers)} layers")
     warnings += open_warnings(cut.open_layers, cut.polygon_layer, cut.layers)
     if len(cut.specks.layer):
-        warnings.append(f"outlines smaller than a strand are left out: {len(cut.specks.layer)} in all layers")
+        warnings.append(
+            f"outlines smaller than a strand are left out: {len(cut.specks.layer)} in all layers; "
+            "scale the object up or lower extrusion_width"
+        )
     full = line_widths(lines.layer, settings).take(lines.loop)
     thin = float((lines.width < 0.999 * full).mean()) if len(lines.width) else 0.0
     if thin > 0.01:

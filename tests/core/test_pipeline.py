@@ -280,3 +280,9 @@ def test_x3g_holds_the_print_and_is_reported(vase, tmp_path):
     assert report["x3g"]["bytes"] == (tmp_path / "vase.x3g").stat().st_size
     assert (commands.code == 134).sum() >= vase.report["tool_changes"]
     assert audit(commands, PrintSettings().printer_profile) == []
+
+
+def test_what_is_too_small_to_print_is_told_with_a_remedy():
+    job = generate(joined(box((0, 0, 0), (10, 10, 4)), box((4, 4, 4), (4.2, 4.2, 6))), PrintSettings())
+    (told,) = [text for text in job.warnings if "smaller than a strand" in text]
+    assert "8 in all layers" in told and "scale" in told and "extrusion_width" in told

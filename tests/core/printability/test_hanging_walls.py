@@ -1,5 +1,6 @@
 """What hangs in the air with nothing below is told: how long it is and where, and only where it is worth a word."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -58,3 +59,26 @@ def test_steep_objects_have_nothing_to_tell():
 def test_without_inner_walls_the_outline_is_looked_at():
     found = generate(TEE, replace(PLAN, perimeters=0)).report["hanging_walls"]
     assert found["length_mm"] == pytest.approx(hanging(0.5 * WIDTH), abs=4 * REACH)
+
+
+def funnel(angle, rim=6.0):
+    """A post of 4 mm radius whose wall leans out by an angle, ° from the horizontal, for `rim` mm."""
+    top = 5 + rim * math.tan(math.radians(angle))
+    return lathe([[4, 0], [4, 5], [4 + rim, top], [4 + rim, top + 3]])
+
+
+@pytest.mark.parametrize("angle", [12, 20, 28])
+def test_outer_walls_that_lean_upon_each_other_hang(angle):
+    """Down to 32° each line lies beyond the one below by more than its width."""
+    job = generate(funnel(angle), PLAN)
+    found = job.report["hanging_walls"]
+    layers = 6 * math.tan(math.radians(angle)) / 0.25
+    around = 2 * math.pi * 7 * layers
+    assert found["layers"] == pytest.approx(layers, abs=1.5)
+    assert found["length_mm"] == pytest.approx(around, rel=0.25) and found["z_from"] == pytest.approx(5.0, abs=0.26)
+    assert len(told(job)) == 1
+
+
+@pytest.mark.parametrize("angle, rim", [(36, 6), (20, 1.2)], ids=["steep enough", "two layers"])
+def test_steep_walls_and_short_slopes_are_held(angle, rim):
+    assert not told(generate(funnel(angle, rim), PLAN))
