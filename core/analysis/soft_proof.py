@@ -1,6 +1,6 @@
-"""What a painted texture will look like in print: how fine it can be, and which tones walls of any slope show.
+"""The soft proof: how a painted texture will look in print, as tables that the graphics card can look up.
 
-Tables that the graphics card can look up, so that they hold while the texture is painted.
+They say how fine a detail shows and which tone a wall of any slope shows, so they hold while the texture is painted.
 """
 
 from __future__ import annotations

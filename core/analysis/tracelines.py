@@ -74,7 +74,7 @@ def tracelines(lines: Contours, samples: Samples, projector: Projector, waveleng
 def _nearest(
     lines: Contours, samples: Samples, projector: Projector, step: int
 ) -> tuple[IntArray, FloatArray, BoolArray]:
-    """The nearest sample a layer up or down: its number, how far it is along its contour, whether there is one."""
+    """The nearest sample a layer up or down: its number, its distance along the contour, and whether there is one."""
     layer = lines.layer[samples.loop] + step
     found, away = np.zeros(len(layer), dtype=np.int64), np.full(len(layer), np.inf)
     inside = np.flatnonzero((layer >= 0) & (layer <= lines.layer.max(initial=0)))

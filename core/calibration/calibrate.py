@@ -34,7 +34,7 @@ class ToneCurve:
     slants: FloatArray
 
     def printed(self, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:
-        """(N,) tones to print for those asked for (N,) on slopes (N,), each whatever the others are."""
+        """(N,) tones to print for the tones asked for (N,) on slopes (N,); each depends on no other."""
         return _looked_up(self.to_print, self.slants, tone, slant_deg)
 
 
@@ -54,7 +54,7 @@ def calibrated(tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings)
 
 
 def tone_curve(tone: FloatArray, settings: PrintSettings) -> tuple[ToneCurve | None, list[str]]:
-    """What makes of tones those to print; None where they are printed as they are. And notes about the table.
+    """The curve from tones asked for to tones to print, None if they are the same; and notes about the table.
 
     Args:
         tone: (N,) asked for, at the points of all contours.

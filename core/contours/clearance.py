@@ -1,4 +1,4 @@
-"""How thick the material is behind each outline point, and how wide the air before it."""
+"""Thickness of the material behind each outline point, and width of the air gap in front of it."""
 
 from __future__ import annotations
 
@@ -35,9 +35,8 @@ def gaps(
 ) -> tuple[FloatArray, FloatArray]:
     """Distance to the opposite wall, inwards and outwards: twice the radius of the largest circle that fits there.
 
-    The circle touches the wall at the point, lies on one side of it and reaches as far as no other wall. What is nearer
-    to a point of a wall than to any other is left to that point, so lines that are moved by less than the radius of
-    the circle there do not meet.
+    The circle touches the wall at the point, lies on one side of it and contains no other wall. Its middle is nearer
+    to that point than to any other one, so lines that are moved by less than the circles' radii do not meet.
 
     Args:
         points: (2, N) mm, evenly spaced on closed loops of whole blocks.
@@ -91,7 +90,7 @@ def _near(
     inside: float,
     outside: float,
 ) -> tuple[IntArray, IntArray]:
-    """Pairs of a point and a block that may reach into a circle as large as is looked for at the point.
+    """Pairs of a point and a block of points that may reach into the largest circle looked for at that point.
 
     Args:
         points: (2, N) mm, in blocks.
@@ -118,7 +117,7 @@ def _near(
 
 
 def _of_blocks(most: np.ufunc, values: NDArray[Any]) -> NDArray[Any]:
-    """(B,) the most that the points of each block have."""
+    """(B,) the greatest value in each block."""
     return np.asarray(most.reduce([values[number::BLOCK] for number in range(BLOCK)]))
 
 
@@ -149,9 +148,9 @@ def _reached(
 
 
 def _faced(middle: FloatArray, layer: IntArray, held: Bits, cell: float) -> IntArray:
-    """Blocks that face one in the square cells up to two away, and maybe more.
+    """Blocks that face another one within two square cells; some that do not may be among them.
 
-    Where one may face another, that one may face it: what has none around it is nothing that others look for.
+    Facing is mutual, so a block that faces none is not looked for by others either.
 
     Args:
         middle: (2, B) mm.
@@ -188,7 +187,7 @@ def _directions(normal: FloatArray) -> Bits:
 
 @cache
 def _facing() -> Bits:
-    """(65536,) for each set of directions those in which lie normals that may face one of them."""
+    """(65536,) for each set of directions, as bits, the set of directions that may face one of them."""
     turn = np.pi / 12 * np.arange(1, 24, 2)
     middle = np.stack([np.cos(turn), np.sin(turn)])
     may_face = middle.T @ middle < np.cos(np.arccos(FACING) - np.pi / 6)

@@ -41,7 +41,7 @@ REACH_STEP, ROUNDING = 0.2, 1e-9
 
 
 class Reach(NamedTuple):
-    """How far room for a line is looked for, mm."""
+    """How far to either side of an outline room for a line is looked for, mm."""
 
     inwards: float
     outwards: float
@@ -175,7 +175,7 @@ def _inset(
     kernel: FloatArray,
     reach: Reach,
 ) -> None:
-    """Move the filtered outlines of a few layers inwards; nothing depends on other layers.
+    """Move the filtered outlines of a few layers inwards; other layers do not matter.
 
     Args:
         lines: what is filled in, first with the filtered outlines and their normals; `arc` with the step from each
@@ -206,7 +206,7 @@ def _inset(
 
 
 def reach_of(settings: PrintSettings) -> Reach:
-    """As far as anything moves a line, rounded up, so that contours can be kept where that changes by little."""
+    """The farthest that anything may move a line, rounded up so that small changes of settings keep the contours."""
     wave = settings.wave_crest
     solid = 0.0 if settings.solid_regions == "none" else settings.solid_set_back
     air = OPEN_AIR if wave and settings.hide_seams else 0.0
@@ -232,10 +232,7 @@ def _unit(vectors: FloatArray) -> FloatArray:
 
 
 def on_loop(arc: FloatArray, loop: IntArray, arc_start: FloatArray) -> FloatArray:
-    """Arcs with those at the very end of their loop moved to its beginning, which is the same place.
-
-    Without it rounding would make them places of the next loop.
-    """
+    """Move arcs at the very end of their loop to its beginning, the same place, which rounding puts on the next loop."""
     return np.where(arc >= arc_start[loop + 1] - 1e-9, arc_start[loop], arc)
 
 

@@ -17,9 +17,9 @@ class PointGrid:
     def __init__(
         self, points: FloatArray, layer: IntArray, cell: float, table: bool = True, name: IntArray | None = None
     ) -> None:
-        """Sort (N, 2) points with their layers (N,) into cells of `cell` mm; a `table` of all pays for many queries.
+        """Sort points (N, 2) with their layers (N,) into cells of `cell` mm.
 
-        Points are called by their number, or what `name` (N,) calls them.
+        A `table` of all cells pays off with many queries. Queries return numbers of points, or their `name` (N,).
         """
         self.cell = cell
         low, high = bounds(points) if len(points) else np.zeros((2, 2))

@@ -63,7 +63,7 @@ def bend_room(
 ) -> FloatArray:
     """How far points of lines may be moved, all at once, before they meet on the inside of a bend.
 
-    Each moves along a ray; of two rays that cross, the one that is longer up to the crossing ends before it.
+    Each point moves along a ray. Where two rays cross, the one with the longer way to the crossing has to stop there.
 
     Args:
         points: (2, N) mm, of closed loops.
@@ -100,7 +100,7 @@ def bend_room(
 
 
 def _along(point: IntArray, step: IntArray, start: IntArray) -> IntArray:
-    """(Q, K) points that many steps farther along their loops than points (Q, 1)."""
+    """(Q, K) the points that are `step` (K,) steps farther along their loops than points (Q, 1)."""
     loop = np.searchsorted(start, point, side="right") - 1
     begin = start[loop]
     return np.asarray(begin + (point - begin + step) % (start[loop + 1] - begin))

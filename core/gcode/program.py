@@ -168,7 +168,7 @@ def _start(moves: Moves, extrudes: BoolArray, settings: PrintSettings) -> StartS
 
 
 def _first_prime(moves: Moves, tool: int) -> float:
-    """Mm by which the moves expect the tool's filament to be pulled back before they first feed it."""
+    """How far the tool's filament is pulled back, mm, when the moves first feed it."""
     feeds = (moves.tool == tool) & (moves.filament != 0)
     first = int(feeds.argmax())
     if not feeds[first] or moves.feature[first] != Feature.RETRACT:
@@ -236,7 +236,7 @@ def _insertions(
     idle: IdleCommands,
     printer: PrinterProfile,
 ) -> tuple[IntArray, list[bytes]]:
-    """What stands between the lines: comments at layers and features, marks for the progress, the tool changes.
+    """Insertions between the lines: comments at layers and features, marks for the progress, tool changes.
 
     Args:
         moves: the print.

@@ -1,4 +1,4 @@
-"""The idle nozzle is cooled while the other one prints, and is hot again before it is needed."""
+"""Standby: the idle nozzle is cooled while the other one prints, and heated again in time."""
 
 from __future__ import annotations
 

@@ -15,5 +15,5 @@ def written(text: str) -> str:
 
 
 def read_back(text: str) -> str:
-    """The text that `written` was given."""
+    """The inverse of `written`."""
     return unquote(text, errors="surrogatepass")

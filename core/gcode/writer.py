@@ -46,7 +46,7 @@ class _Tables:
 
 @dataclass(frozen=True)
 class BegunText:
-    """What the times and totals of a print do not change of its file.
+    """The part of a print's file that does not depend on its times and totals.
 
     Attributes:
         content: the program, see `untimed_program`.
@@ -132,9 +132,10 @@ def _tables(lines: Lines, axes: Sequence[str]) -> _Tables:
 
 
 def _rendered(lines: Lines, tables: _Tables, cuts: IntArray, rows: slice) -> bytearray:
-    """Some lines as text, marked before those that `cuts` (C,), ascending, names: a row of words each, zeros deleted.
+    """Some lines as text: each is a row of words, from which zero bytes are deleted.
 
-    What most lines name is written into all of them and taken out of the others.
+    Words that most lines have are written into all lines and then taken out of the others. Before the lines `cuts`
+    (C,), ascending, stands a mark at which the text is split later.
     """
     padded: bytearray = _USUAL_LINE * (rows.stop - rows.start)
     text = np.frombuffer(padded, dtype=_LINE)

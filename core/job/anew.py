@@ -1,7 +1,7 @@
-"""Some layers made anew where the tone has changed, and put in the place of the former ones.
+"""Stages run again on the layers whose tones have changed; all other layers keep their former results.
 
-Each function gives what its stage gives for the whole print: `former` is what it has given last, and only on the layers
-that `fresh` (L,) marks does anything that it is made from differ.
+Each function returns what its stage returns for the whole print. `former` is the stage's last result; its inputs differ
+from those of that run only on the layers that `fresh` (L,) marks.
 """
 
 from __future__ import annotations

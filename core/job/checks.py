@@ -1,4 +1,4 @@
-"""What is looked at before a print may become a file: reach, temperatures, numbers."""
+"""Checks that a print has to pass before it may become a file: reach, temperatures, numbers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _HINTS = {
 
 
 def check(moves: Moves, settings: PrintSettings) -> None:
-    """Raise the first thing that forbids printing these moves; all is well otherwise.
+    """Raise the first error that forbids printing these moves, if there is any.
 
     Args:
         moves: the print.

@@ -1,4 +1,4 @@
-"""Tables whose rows lie layer by layer: some layers of them, and layers of one put in the place of another's."""
+"""Tables ordered by layer: parts of them, and layers of one table put in the place of another's."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def runs(layers: BoolArray) -> list[tuple[int, int]]:
 
 
 def widened(layers: BoolArray, by: int) -> BoolArray:
-    """(L,) the layers marked and so many below and above each."""
+    """(L,) the layers marked, and `by` more below and above each."""
     wide = layers.copy()
     for step in range(1, by + 1):
         wide[step:] |= layers[:-step]
@@ -37,7 +37,7 @@ def widened(layers: BoolArray, by: int) -> BoolArray:
 
 
 def without_gaps(layers: BoolArray) -> BoolArray:
-    """(L,) the layers marked and those between neighboring runs; with many runs all from the first to the last."""
+    """(L,) the layers marked, with short gaps between runs filled, or all gaps where there are many runs."""
     found, filled = runs(layers), layers.copy()
     for (_, last), (first, _) in pairwise(found):
         filled[last:first] |= first - last <= _SHORT_GAP or len(found) > _MOST_RUNS

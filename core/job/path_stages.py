@@ -61,7 +61,7 @@ class PrintedPaths:
 
 
 def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PrintedPaths]:
-    """Hold, fill, surround and order: yields before each stage, returns the paths.
+    """Supports, fill, surroundings and order: yields before each stage, returns the paths.
 
     Raises:
         PrintError: the print does not fit the printer.
@@ -94,7 +94,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
-    """The print with each layer's whole wall in the layer's own color, to tell what the tool changes cost."""
+    """The print without tool changes within layers, every wall in its layer's color, to tell what they cost."""
     outer = outer_wall_paths(replace(wall.outlines, swapped=None))
     return toolpaths(outer, paths.fill, paths.within, paths.beside, settings).moves
 

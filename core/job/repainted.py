@@ -30,11 +30,11 @@ def repainted_layers(
     layers: int,
     former: tuple[ToneImage, ...],
 ) -> BoolArray | None:
-    """(L,) layers on which tones may differ, all those at least where they do; None where all may, or most do.
+    """(L,) layers on which tones may differ, no such layer left out; None if that may be all or most layers.
 
     Args:
         pictures: as they are.
-        made: pyramids of these, still being built perhaps.
+        made: pyramids of these, which may still be being built.
         lines: N contour points.
         layers: L.
         former: the pictures as they were.
@@ -95,7 +95,7 @@ def _differing(one: Float32Array, other: Float32Array, tile: int) -> BoolArray:
 
 
 def _grown(tiles: BoolArray, reach: int) -> BoolArray:
-    """(R, C) tiles with those so far around them, over the borders too, as pictures may repeat."""
+    """(R, C) tiles and those up to `reach` around them, wrapped at the borders, as pictures may repeat."""
     grown = tiles
     for axis in (0, 1):
         steps = range(-min(reach, tiles.shape[axis]), min(reach, tiles.shape[axis]) + 1)

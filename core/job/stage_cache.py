@@ -136,7 +136,7 @@ class StageCache:
 
     @property
     def size(self) -> int:
-        """Bytes that the results and what they were made from take, about."""
+        """About how many bytes the results and their inputs take."""
         seen: set[int] = set()
         return sum(_bytes(held.arguments, seen) + _bytes(held.result, seen) for held in self._held.values())
 

@@ -48,7 +48,7 @@ class Stages:
         return done, name
 
     def aside(self, name: str, work: Callable[..., Any], *inputs: Any) -> Future[Any]:
-        """Run work in another thread, one after the other; inputs may be what earlier such work gives."""
+        """Run work in the second thread, one piece after the other; its arguments may be results of earlier pieces."""
         return self._beside.submit(self._clock.timed, name, lambda: self.run(name, work, *map(_known, inputs)))
 
     def ended(self) -> dict[str, Any]:

@@ -39,7 +39,7 @@ class Toolpaths:
 
 @dataclass(frozen=True)
 class Surrounded:
-    """What no tone changes of what toolpaths are made from.
+    """Inputs of the toolpaths that do not depend on any tone.
 
     Attributes:
         holding: supports.
@@ -116,7 +116,7 @@ def _apart(paths: OrderedPaths, layers: int) -> bool:
 
 
 def _marked(*tables: OrderedPaths) -> list[OrderedPaths]:
-    """The same, with marks of what hangs over air where one of them has any."""
+    """The same tables; if one of them has marks of overhangs, all have."""
     if all(table.over_air is None for table in tables):
         return list(tables)
     marks = (np.zeros(len(table.points), dtype=bool) if table.over_air is None else table.over_air for table in tables)

@@ -85,7 +85,7 @@ class PaintedWall:
 
 
 def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PaintedWall]:
-    """Slice, sample, look up the tones and wave: yields before each stage, returns the wall.
+    """Slice, sample, look up the tones and modulate: yields before each stage, returns the wall.
 
     Raises:
         PrintError: the input cannot be printed.
@@ -144,7 +144,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
 def pattern_samples(
     lines: Contours, projector: Projector, settings: PrintSettings, visibility: FloatArray | None = None
 ) -> Samples:
-    """Where the waves sit, by the scheme that is set; nowhere for `offset`.
+    """The samples at which the waves sit, by the scheme that `sampling` sets; none for `offset`.
 
     Args:
         lines: N contour points.
@@ -204,5 +204,5 @@ def _slant(lines: Contours, mesh: TriangleMesh, wavelength: float) -> FloatArray
 
 
 def _without_pictures(model: SurfaceModel) -> SurfaceModel:
-    """The model with as many pictures, but nothing in them."""
+    """The model with empty pictures, so that stages that do not read them are kept when they change."""
     return replace(model, textures=(_NO_PICTURE,) * len(model.textures), notes=())

@@ -12,7 +12,7 @@ PIECE_POINTS, PIECES_AT_ONCE = 64, 1 << 12
 
 
 def chord_ends(points: FloatArray, first: IntArray, count: IntArray, last: IntArray, tolerance: float) -> BoolArray:
-    """Which points remain: no other one is farther than the tolerance from the chord that takes its place.
+    """Choose the points to keep: all others are within the tolerance of the chord that replaces them.
 
     A chord grows point by point, as long as there is a direction that passes all of them (the sleeve of Zhao and
     Saalfeld, Linear-time sleeve-fitting polyline simplification algorithms, 1997) and they lie ahead of one another.

@@ -216,7 +216,7 @@ def _without_waves(
 def _swing(
     share: FloatArray, waves: BoolArray, layer: IntArray, settings: PrintSettings
 ) -> tuple[FloatArray, FloatArray]:
-    """(Q,) t at a share (Q,) of the way along a span, and (Q,) the displacement on its layer, -1 to 1, outwards."""
+    """(Q,) the wave t at a share (Q,) of each span, and (Q,) the displacement on its layer, -1 to 1, outwards."""
     phase = np.where(waves, np.cos(2 * np.pi * share), 0.0)
     if not settings.phase_shift_layers:
         return phase, layer_sign(layer) * phase

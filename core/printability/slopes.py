@@ -44,7 +44,7 @@ class FaceContrast:
 
     @property
     def lean(self) -> FloatArray:
-        """(F,) how far the unit vectors point up, -1 to 1."""
+        """(F,) vertical component of the unit normals, -1 to 1."""
         return np.asarray(self.area_normal[:, 2] / self._length)
 
     @property

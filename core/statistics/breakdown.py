@@ -30,9 +30,9 @@ def time_report(
         seconds: (M,) `move_seconds` of the moves, if they are known.
 
     Returns:
-        `total`, `tool_change` and `tower` of `print_time`; `features`, the seconds of each feature's strands, of
-        `travel` and `retract` without and of `tool_change` with all that changing takes, which add up to the total;
-        `heating`, which comes before the total; `single_color` and `ratio`, how many times as long ours takes.
+        `total`, `tool_change` and `tower` as of `print_time`; `features`, which add up to the total: the strands of
+        each feature, `tool_change` with all its travels and retractions, and the other ones as `travel` and `retract`;
+        `heating`, which is not part of the total; `single_color`, and `ratio`, the total over that.
     """
     seconds = move_seconds(moves, settings.printer_profile) if seconds is None else seconds
     changing = tool_change_rows(moves)

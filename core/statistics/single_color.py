@@ -33,7 +33,7 @@ _SLOWED = 0.98  # of the least time of a layer; those that take less have the le
 
 @dataclass(frozen=True)
 class SingleColor:
-    """What is known of the print in one color: all of S of the L layers, of the others the wall.
+    """What was computed of the print in one color: S of the L layers as a whole, of the others only the outer wall.
 
     Attributes:
         printed: (P,) int64, ascending, the layers on which anything is printed.
@@ -81,10 +81,11 @@ def single_color(
 
 
 def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray, settings: PrintSettings) -> float:
-    """Seconds that `single_color_moves` take, within a hundredth.
+    """Seconds that `single_color_moves` take, to within 1 %.
 
-    A layer takes what the dual-color print takes without its waved wall, its tower and its tool changes, then the
-    time of the wall alone, and something for the ways to it. How much that is, is a mean of the layers that are known.
+    For a layer that was not computed it is the dual-color print's time without waved wall, tower and tool changes, plus
+    the time of the plain wall, plus the mean of what the computed layers take beyond that. Short layers are slowed down
+    as far as `slowdown_below_layer_time` and `min_print_speed` ask for.
 
     Args:
         single: see `single_color`.
@@ -114,7 +115,7 @@ def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray,
 
 
 def _by_layer(moves: Moves, weight: FloatArray, wall: FloatArray, settings: PrintSettings) -> FloatArray:
-    """(L,) what the moves amount to on each layer of the object, with what the wall (L,) does."""
+    """(L,) sums of `weight` over the moves of each layer of the object, plus `wall` (L,)."""
     alike = np.bincount(moves.layer, weight)[settings.raft_layers :]
     amount = wall.copy()
     amount[: len(alike)] += alike
@@ -122,7 +123,7 @@ def _by_layer(moves: Moves, weight: FloatArray, wall: FloatArray, settings: Prin
 
 
 def _as_known(guess: FloatArray, examples: BoolArray, single: SingleColor) -> FloatArray:
-    """(L,) guesses of s, moved by as much as those are wrong on average that are `examples` (S - 1,)."""
+    """(L,) s guessed, corrected by the mean error of the guesses for the layers `examples` (S - 1,)."""
     more = (single.seconds[1:] - guess[single.layer[1:]])[examples]
     return guess + (more.mean() if len(more) else 0.0)
 
@@ -169,7 +170,7 @@ def single_color_moves(
 
 
 def _unwaved(outlines: WavedOutlines, number: IntArray, tolerance: float) -> Paths:
-    """The outer wall before the wave of those layers whose `number` (L,) is not negative, which is theirs now."""
+    """The outer wall without its wave, on those layers whose new `number` (L,) is not negative."""
     chosen = np.flatnonzero(number[outlines.layer] >= 0)
     count: IntArray = np.diff(outlines.start)[chosen]
     begin = starts(count + 1)[:-1]

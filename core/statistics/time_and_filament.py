@@ -86,7 +86,7 @@ def shift_seconds(printer: PrinterProfile) -> float:
 
 
 def stretches(moves: Moves, seconds: FloatArray) -> tuple[Moves, FloatArray]:
-    """The print in few rows, to add up what it takes: rows in a line of one tool, layer and feature become one.
+    """The print in few rows, for sums: consecutive rows of one tool, layer and feature become one.
 
     Args:
         moves: the print.
@@ -138,7 +138,7 @@ def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
 
 
 def _segments(moves: Moves, printer: PrinterProfile) -> _Segments:
-    """The rows with a way or with filament; a row before which the place is not known (the first) has no way."""
+    """The rows that move or feed; the first row does not move, since nothing says where the nozzle was."""
     measured = in_chunks(partial(_measured, moves, printer), np.arange(len(moves.tool)), rows=_ROWS, threads=False)
     takes, length, speed, acceleration, corner, *tips = measured
     # What lies between the last segment of a chunk and the first one of the next.
@@ -190,7 +190,7 @@ def _inverse(limits: Four) -> FloatArray:
 
 
 def _greatest(shares: FloatArray) -> FloatArray:
-    """(S,) of the values of each axis, (A, S); faster than numpy's own along a short axis."""
+    """(S,) maxima over the axes, of values (A, S); faster than numpy's own along a short axis."""
     greatest: FloatArray = shares[0]
     for share in shares[1:]:
         np.maximum(greatest, share, out=greatest)
@@ -247,7 +247,7 @@ def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatA
 def _trapezoid_seconds(
     length: FloatArray, speed: FloatArray, acceleration: FloatArray, begin: FloatArray, end: FloatArray
 ) -> tuple[FloatArray]:
-    """(S,) s of each segment: speed up, keep the speed as long as there is way for it, slow down.
+    """(S,) s of each segment: accelerate, cruise where it is long enough, decelerate.
 
     Args:
         length: mm.

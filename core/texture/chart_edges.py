@@ -69,10 +69,11 @@ def _some(rows: IntArray, *columns: NDArray[Any]) -> Iterator[NDArray[Any]]:
 
 
 def _on_borders(place: IntArray, side: FloatArray, places: int) -> IntArray:
-    """The edges both of whose ends are on a chart's border or on a fold of it, as the corners that they start from.
+    """The edges both of whose ends lie on a border or a fold of a chart, as the corners that they start from.
 
-    Around a place within a chart each triangle begins where the one before it has ended: with a random number for
-    each place, end less begin, summed over the triangles, is nothing. A mirrored triangle ends where it begins.
+    The triangles around a place inside a chart form a closed ring: each begins at the place where the one before ends.
+    With a random number for every place, the sum of end less begin over the ring is 0; on borders it is not. In
+    mirrored triangles begin and end are swapped, so folds are found as well.
     """
     number = np.random.default_rng(0).integers(1 << 44, size=places).astype(np.float64)
     difference = np.empty(place.shape)

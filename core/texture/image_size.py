@@ -1,4 +1,4 @@
-"""How large a picture claims to be, read from the head of its file before anything is decoded."""
+"""The size that a picture claims to have, read from the head of its file before anything is decoded."""
 
 from __future__ import annotations
 

@@ -20,9 +20,10 @@ LabelImage = NDArray[np.signedinteger[Any]]
 
 
 def corner_places(mesh: TriangleMesh, faces: IntArray) -> IntArray:
-    """(T, 3) the place in the textures at each corner of T faces: as a rule the vertex, at seams more than one.
+    """(T, 3) the place in the UV map at each corner of T faces: equal numbers where UV and texture are equal.
 
-    A vertex stands for the UV and the texture at one of its corners; only corners that differ from that are sorted.
+    As a rule that is the vertex; only corners whose UV differs from that of another corner of their vertex, as along
+    seams, are sorted and get numbers of their own.
     """
     whole = len(faces) == len(mesh.faces)
     place, texture = (mesh.faces.copy(), mesh.face_texture) if whole else (mesh.faces[faces], mesh.face_texture[faces])

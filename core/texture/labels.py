@@ -27,7 +27,7 @@ class _Rows:
     Attributes:
         begin: (R,) int32, the first texel.
         end: (R,) int32, one past the last texel.
-        island: (R,)
+        island: (R,) that each row belongs to.
     """
 
     begin: LabelImage
@@ -65,7 +65,7 @@ def rasterized(
 
 
 def _parts(size: IntArray | LabelImage, most: int) -> list[slice]:
-    """Runs of members with about so much size together; `size` is (N,)."""
+    """Consecutive parts of members of the given sizes (N,), each of a total size of about `most`."""
     part = np.cumsum(size, dtype=np.int64) // most
     bounds = [0, *(np.flatnonzero(np.diff(part)) + 1).tolist(), len(part)]
     return [slice(first, end) for first, end in pairwise(bounds)]
@@ -141,7 +141,7 @@ def _joined(parts: list[_Rows]) -> _Rows:
 def _painted(rows: _Rows, texels: int, islands: int) -> tuple[LabelImage, LabelImage | None]:
     """The flat picture of rows, and the new numbers of islands that lie on one another, None where none do.
 
-    Where still two share texels, the row that begins first has them.
+    Texels that two islands still share go to the row that begins first.
     """
     order = np.argsort(rows.begin, kind="stable")
     begin, end, island = rows.begin[order], rows.end[order], rows.island[order]

@@ -1,4 +1,4 @@
-"""A picture reduced once by Lanczos to the resolution of the print."""
+"""Reduces a picture to the resolution of the print, once, by a Lanczos filter."""
 
 from __future__ import annotations
 

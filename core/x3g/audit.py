@@ -204,7 +204,7 @@ def _targets(commands: Commands, action: Action, tool: int) -> tuple[IntArray, I
 
 
 def _ready(commands: Commands, rows: IntArray, targets: IntArray, least: float, wait: Command, tool: int) -> BoolArray:
-    """(C,) whether the heater has been waited for at a high enough target and not been turned down since."""
+    """(C,) whether the heater is known to be hot: waited for at a high enough target, and not turned down since."""
     number = np.arange(len(commands.code))
     target = np.concatenate([[0], targets])[np.searchsorted(rows, number, side="right")]
     waits = np.flatnonzero(commands.code == wait)

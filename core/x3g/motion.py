@@ -1,4 +1,4 @@
-"""The rows of a track in the printer's own numbers: steps, step rates, ways and speeds."""
+"""The rows of a track in the printer's own numbers: steps, step rates, distances and speeds."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class _Deltas:
     """What each of R rows changes.
 
     Attributes:
-        mm: (5, R) absolute values.
-        steps: (5, R) of each way alone, rounded.
+        mm: (5, R) distance along each axis, not negative.
+        steps: (5, R) each distance rounded by itself.
         signed_filament: (2, R) mm.
         moves: (R,) bool, rows that move an axis by a step at least.
     """
@@ -128,7 +128,7 @@ def _steps(track: Track, row: int, printer: PrinterProfile) -> list[int]:
 
 
 def step_interval(steps: list[int], feedrate: int, printer: PrinterProfile) -> int:
-    """Us between steps so that no axis that is away from its zero goes faster than the feedrate."""
+    """Microseconds between steps at which no axis that is away from its zero exceeds the feedrate."""
     away = [printer.steps_per_mm[min(axis, 3)] for axis in range(AXES) if steps[axis]]
     fastest = int(1e6 / (printer.steps_per_mm[0] * printer.max_speed_mm_s[0]))
     return max([fastest, *(int(_US_PER_MINUTE / (per_mm * feedrate)) for per_mm in away)])

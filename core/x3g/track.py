@@ -140,7 +140,7 @@ class _Follower:
         self._inserted.append((self._rows, command))
 
     def _take(self, words: dict[str, str]) -> bool:
-        """Take over the numbers of a line; whether it names an axis."""
+        """Take over the numbers of a line; returns whether it names an axis."""
         for axis, letter in enumerate(_LETTERS):
             if letter in words:
                 self._place[axis] = round(float(words[letter]) * (1000 if axis < 3 else 100_000))
