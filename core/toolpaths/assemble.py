@@ -80,31 +80,34 @@ def _extrusions(
         speed: (N,) mm/s, of the line that leaves each point.
         settings: of the print.
     """
-    count = np.diff(paths.start)
-    rows = approach + count - 1  # a path of n points has n - 1 extruding moves after its approach
+    rows = approach + np.diff(paths.start) - 1  # a path of n points has n - 1 extruding moves after its approach
     first_row = starts(rows)
     before = ranges(first_row[:-1], approach)
     point = _arriving_at(paths, approach, first_row, before)
-    # Column by column in memory, as it is read, and all in one piece: the system has larger pages for large ones.
-    block = np.empty((10, len(point)))
-    table = Moves(block[:3].T, *block[7:].view(np.int64), *block[3:7])
+    table = Moves.blank(len(point))
     table.position[:, :2] = paths.points.take(point, axis=0)
-    table.position[:, 2] = np.repeat(layers.top[paths.layer], rows)
-    point -= 1  # the point that the line leaves
-    diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    section = np.pi / 4 * diameter**2
-    height = layers.height[paths.layer]
-    filament = length * paths.width
-    filament *= np.repeat(height * settings.extrusion_multiplier / section, count)
+    table.position[:, 2], table.height[:] = (np.repeat(z[paths.layer], rows) for z in (layers.top, layers.height))
     for number, of_path in ((table.tool, tool), (table.feature, paths.feature), (table.layer, paths.layer)):
         number[:] = np.repeat(of_path, rows)
-    table.height[:] = np.repeat(height, rows)
+    point -= 1  # the point that the line leaves
+    filament = _filament(paths, tool, layers, length, settings)
     for column, of_point in ((table.width, paths.width), (table.speed, speed), (table.filament, filament)):
         column[:] = of_point.take(point)
     table.feature[before], table.speed[before] = int(Feature.TRAVEL), settings.travel_speed
     for column in (table.width, table.height, table.filament):
         column[before] = 0.0
     return table, first_row[:-1]
+
+
+def _filament(
+    paths: OrderedPaths, tool: IntArray, layers: Layers, length: FloatArray, settings: PrintSettings
+) -> FloatArray:
+    """(N,) mm of filament that the line takes that leaves each point; arguments as in `_extrusions`."""
+    diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
+    section = np.pi / 4 * diameter**2
+    filament = length * paths.width
+    filament *= np.repeat(layers.height[paths.layer] * settings.extrusion_multiplier / section, np.diff(paths.start))
+    return filament
 
 
 def _arriving_at(paths: OrderedPaths, approach: IntArray, first_row: IntArray, before: IntArray) -> IntArray:

@@ -45,6 +45,15 @@ class Moves:
         return np.asarray((self.filament > 0) & (self.feature != Feature.RETRACT))
 
     @staticmethod
+    def blank(rows: int) -> Moves:
+        """A table that is to be filled: each column in one piece, as it is read, and all in one block.
+
+        The system has larger pages for large blocks.
+        """
+        block = np.empty((10, rows))
+        return Moves(block[:3].T, *block[7:].view(np.int64), *block[3:7])
+
+    @staticmethod
     def joined(parts: list[Moves]) -> Moves:
         """Several tables one after the other."""
         return Moves(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(Moves)))
