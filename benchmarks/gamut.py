@@ -1,8 +1,8 @@
 """The search for the pattern with the widest range of tones: each candidate printed in the computer and measured.
 
-    python benchmarks/gamut.py [--out FILE] [--only NAME]
+    python benchmarks/gamut.py [--out FILE]
 
-Prints a table and writes it as Markdown; a quarter of an hour on two cores.
+Prints a table and writes it as Markdown; two minutes on two cores.
 """
 
 from __future__ import annotations
