@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contours.along_loops import rows
 from ..contours.contours import POINTS_PER_WAVELENGTH, Contours
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import in_chunks
@@ -135,27 +134,25 @@ def waved(
     pieces = spans(lines, samples)
     count = _points_of(pieces, lines, depth, settings)
     layer = lines.layer
-    # One row per contour point, so that one access to memory fetches all of it.
-    columns = [lines.points, lines.normal, depth, set_back, tone, lines.width]
-    table = np.column_stack(columns if swapped is None else [*columns, swapped])
+    columns = [*lines.points.T, *lines.normal.T, depth, set_back, tone, lines.width]
+    table = np.stack(columns if swapped is None else [*columns, swapped.astype(np.float64)])
     tolerance = settings.chord_tolerance * (1 - SAMPLING_SHARE)
 
     def chunk(piece: IntArray) -> tuple[NDArray[Any], ...]:
         row, share, before, after, weight = _along(pieces, lines, piece, count[piece])
-        value = table.take(before, axis=0)
-        value += weight[:, None] * (table.take(after, axis=0) - value)
+        value = table.take(before, axis=1)
+        value += weight * (table.take(after, axis=1) - value)
         phase, swing = _swing(share, pieces.waves[row], layer[pieces.loop[row]], settings)
-        moved = swing * value[:, 4] / 2 - value[:, 5]
-        points = value[:, :2] + value[:, 2:4] * moved[:, None]
+        points = value[:2] + value[2:4] * (swing * value[4] / 2 - value[5])
         last = np.cumsum(count[piece] + 1) - 1
-        keep = chord_ends(rows(points), last - count[piece], count[piece], last, tolerance)
+        keep = chord_ends(points, last - count[piece], count[piece], last, tolerance)
         if swapped is not None:
-            keep[1:] |= (value[1:, 8] > 0.5) != (value[:-1, 8] > 0.5)
+            keep[1:] |= (value[8, 1:] > 0.5) != (value[8, :-1] > 0.5)
         keep[last] = False  # it is the first point of the next span
         kept = np.flatnonzero(keep)
         nearest = np.where(weight[kept] < 0.5, before[kept], after[kept])
         uv = lines.uv_at(nearest)
-        return points.take(kept, axis=0), value.take(kept, axis=0), phase[kept], pieces.loop[row[kept]], uv
+        return points.take(kept, axis=1).T, value.take(kept, axis=1).T, phase[kept], pieces.loop[row[kept]], uv
 
     at_once = max(CHORDS_AT_ONCE * len(count) // max(int(count.sum()), 1), 1)
     points, value, phase, loop, uv = in_chunks(chunk, np.arange(len(count)), rows=at_once)
@@ -167,8 +164,8 @@ def _outlines(
 ) -> WavedOutlines:
     """Outlines from K points: (K, 2) mm, columns as in `waved` (K, 8 or 9), phase (K,), contour (K,), UVs (K, 2)."""
     return WavedOutlines(
-        base=value[:, :2].copy(),
-        points=points,
+        base=np.ascontiguousarray(value[:, :2]),
+        points=np.ascontiguousarray(points),
         start=starts(np.bincount(loop, minlength=len(lines.layer))),
         layer=lines.layer,
         polygon=lines.polygon,
