@@ -6,12 +6,15 @@ import bpy
 
 from ..bridge.properties import report_of
 from ..bridge.strands.preview import source_of
+from ..core.settings.printer import printer_profile
 from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from ..operators.generate import DUALCOLOR_OT_generate
 from .results import figures
-from .rows import draw_figures, draw_outdated, draw_progress, draw_sentence, draw_settings
+from .rows import draw_figures, draw_outdated, draw_progress, draw_sentence, draw_settings, fitting
 from .sections import PRINT
 from .tab import ObjectPanel, order_of
+
+_EXPORTS = {"x3g": DUALCOLOR_OT_export_x3g, "gcode": DUALCOLOR_OT_export_gcode}
 
 
 class DUALCOLOR_PT_print(ObjectPanel, bpy.types.Panel):
@@ -26,10 +29,18 @@ class DUALCOLOR_PT_print(ObjectPanel, bpy.types.Panel):
         draw_settings(layout, source_of(context.object), PRINT)
         buttons = layout.column(align=True)
         buttons.scale_y = 1.4
-        buttons.operator(DUALCOLOR_OT_generate.bl_idname, icon="PLAY")
-        buttons.operator(DUALCOLOR_OT_export_x3g.bl_idname, icon="EXPORT")
-        buttons.operator(DUALCOLOR_OT_export_gcode.bl_idname, icon="EXPORT")
+        generate = fitting(context, DUALCOLOR_OT_generate.bl_label, "Generate")
+        buttons.operator(DUALCOLOR_OT_generate.bl_idname, text=generate, icon="PLAY")
+        for kind, text in export_texts(context, source_of(context.object).dualcolor.printer).items():
+            buttons.operator(_EXPORTS[kind].bl_idname, text=text, icon="EXPORT")
         draw_progress(layout, DUALCOLOR_OT_generate, DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g)
+
+
+def export_texts(context: bpy.types.Context, printer: str) -> dict[str, str]:
+    """Kind of file and the text of its button, of those that a printer reads; with its name if there is room."""
+    name = printer.replace("_", " ").title()
+    kinds = ({} if printer_profile(printer).marlin else {"x3g": "X3G"}) | {"gcode": "G-code"}
+    return {key: fitting(context, f"Export {name} {kind}", f"Export {kind}") for key, kind in kinds.items()}
 
 
 class DUALCOLOR_PT_results(ObjectPanel, bpy.types.Panel):

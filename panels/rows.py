@@ -51,7 +51,17 @@ def draw_outdated(layout: bpy.types.UILayout, report: dict[str, Any], group: bpy
 
 def wrapped(text: str, width_px: float, scale: float) -> list[str]:
     """A text as the lines that fit into a region of the sidebar."""
-    return textwrap.wrap(text, max(16, int(width_px / (7.0 * scale)) - 6))
+    return textwrap.wrap(text, _letters(width_px, scale))
+
+
+def fitting(context: bpy.types.Context, text: str, short: str) -> str:
+    """What to write on a button: the text, or the short one where the sidebar is so narrow that it would be cut off."""
+    return text if len(text) <= _letters(context.region.width, context.preferences.system.ui_scale) else short
+
+
+def _letters(width_px: float, scale: float) -> int:
+    """How many letters of the usual width a row beside an icon has room for."""
+    return max(16, int(width_px / (7.0 * scale)) - 6)
 
 
 def draw_progress(layout: bpy.types.UILayout, *operators: type[bpy.types.Operator]) -> None:

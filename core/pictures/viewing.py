@@ -114,6 +114,9 @@ def contact_sheet(rows: Sequence[Sequence[Picture]], labels: Sequence[str]) -> P
     sheet = Image.new("RGB", (_MARGIN + across * len(labels), head + down * len(rows)), _PAPER)
     pen = ImageDraw.Draw(sheet)
     font = ImageFont.load_default(_TEXT_HEIGHT * 0.8)
+    longest = max(font.getlength(label) for label in labels)
+    if longest > width:  # a small picture's title would run into the next one
+        font = ImageFont.load_default(_TEXT_HEIGHT * 0.8 * width / longest)
     for column, label in enumerate(labels):
         left = _MARGIN + column * across
         pen.text((left, _MARGIN // 2), label, _INK, font)

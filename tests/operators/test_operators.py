@@ -13,6 +13,7 @@ from dualcolor.bridge.strands.preview import preview_of  # noqa: E402
 from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
 from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.panels.paint import hints  # noqa: E402
+from dualcolor.panels.printing import export_texts  # noqa: E402
 from dualcolor.panels.results import duration, figures  # noqa: E402
 from dualcolor.panels.rows import wrapped  # noqa: E402
 from dualcolor.tests.scene import datablocks  # noqa: E402
@@ -220,3 +221,12 @@ def test_the_results_in_the_sidebar():
     assert figures(report)[-1] == ("Solid Regions", "3: +1 tool changes, +1.8 min")
     assert duration(59 * 60) == "59 min"
     assert all(len(line) <= 34 for line in wrapped("thin walls " * 20, 280, 1.0))
+
+
+def test_export_buttons_name_the_printer_and_are_told_apart_in_a_narrow_sidebar():
+    system = SimpleNamespace(system=SimpleNamespace(ui_scale=2.0))
+    wide, narrow = (SimpleNamespace(region=SimpleNamespace(width=w), preferences=system) for w in (580, 400))
+    two = {"x3g": "Export Replicator 2X X3G", "gcode": "Export Replicator 2X G-code"}
+    assert export_texts(wide, "replicator_2x") == two
+    assert export_texts(narrow, "replicator_2x") == {"x3g": "Export X3G", "gcode": "Export G-code"}
+    assert export_texts(wide, "marlin_dual") == {"gcode": "Export Marlin Dual G-code"}

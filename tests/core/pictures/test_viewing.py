@@ -54,6 +54,14 @@ def test_a_sheet_holds_all_pictures_unchanged():
             assert (sheet == 10 * row + column).all(axis=2).sum() >= 30 * 40
 
 
+@pytest.mark.parametrize("width", [120, 200, 900])
+def test_titles_of_a_sheet_are_no_wider_than_its_pictures(width):
+    rows = [[gray(np.full((30, width), 255))] * 2]
+    head = contact_sheet(rows, ["predicted print from 300 mm (hand)", ""])[:30]
+    inked = np.flatnonzero((head < 200).any(axis=(0, 2)))
+    assert len(inked) > 50 and inked.max() <= 12 + width
+
+
 def test_files_are_named_by_their_view():
     path = Path("out/cow.png")
     assert view_files(path, []) == {"three-quarter": path}
