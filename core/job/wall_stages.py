@@ -93,11 +93,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     run, layered, aside = stages.run, stages.run_layers, stages.aside
     yield stages.begin(0.0, "mesh")
     mesh = run("mesh", triangulate, _without_pictures(model), settings)
-    footprint = 2 * settings.layer_height
-    charts = aside("charts", uv_charts, mesh, sizes_of(model.textures))
-    islands = aside("islands", island_levels, charts, settings.texture_filter)
-    known = (settings.texture_filter, charts, islands)
-    painting = aside("texture", build_pyramids, mesh, model.textures, footprint, *known)
+    painting = _pyramids(mesh, model, settings, stages)
     yield stages.begin(0.05, "slicing")
     cut = run("slicing", slices, mesh, settings)
     layers = len(cut.layers)
@@ -114,23 +110,15 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     errors = aside("seam errors", seam_errors, lines, samples, projector)
     paint = aside("slopes", face_contrast, mesh, painting, settings)
     yield stages.begin(0.45, "tone")
-    local = early is None and settings.solid_regions == "none"  # what is painted moves no line on another layer
-    if local:
-        same, pictures = (mesh, lines, samples, footprint, settings.texture_filter), model.textures
-        repainted = partial(repainted_layers, pictures, painting, lines, layers)
-        stages.compare_layers("pictures", same, pictures, repainted)
-    pyramids = painting.result()
-    tone = _tone(lines, pyramids, settings, stages) if early is None else early
-    if local:
-        stages.compare_layers("tones", (lines, samples), (tone,), partial(other_layers, (tone,), lines, layers))
-    del charts, islands, known, painting, pyramids  # as large as the moves that are to come
+    tone = _tone(lines, samples, layers, mesh, model, painting, settings, stages) if early is None else early
+    del painting  # as large as the moves that are to come
     yield stages.begin(0.5, "modulation")
     slant = run("slant", _slant, lines, mesh, settings.wavelength)
     curve, notes = run("tone curve", tone_curve, tone, settings)
     printed = layered("calibration", print_tones, print_tones_anew, (tone,), slant, lines, curve)
     depth, set_back = layered("modulation", set_back_lines, modulated_anew, (printed,), lines, slant, settings)
     depth, set_back, swapped, solid = _solid_colors(lines, tone, slant, depth, set_back, projector, settings)
-    if not local:
+    if not _is_local(settings):
         columns = (tone, depth, set_back)
         stages.compare_layers("walls", (lines, samples), columns, partial(other_layers, columns, lines, layers))
     of_wave = (lines, samples, tone, depth, set_back)
@@ -164,10 +152,41 @@ def pattern_tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSett
     return _averaged(painted_tone(pyramids, lines, settings), lines, settings)
 
 
-def _tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings, stages: Stages) -> FloatArray:
-    """As `pattern_tone`."""
-    painted = stages.run_layers("tone", painted_tone, painted_tone_anew, (pyramids,), lines, settings)
-    return stages.run("average", _averaged, painted, lines, settings)
+def _pyramids(
+    mesh: TriangleMesh, model: SurfaceModel, settings: PrintSettings, stages: Stages
+) -> Future[TexturePyramids]:
+    """Those of the pictures, built beside the stages."""
+    charts = stages.aside("charts", uv_charts, mesh, sizes_of(model.textures))
+    islands = stages.aside("islands", island_levels, charts, settings.texture_filter)
+    known = settings.texture_filter, charts, islands
+    return stages.aside("texture", build_pyramids, mesh, model.textures, 2 * settings.layer_height, *known)
+
+
+def _is_local(settings: PrintSettings) -> bool:
+    """Whether what is painted moves no line on another layer."""
+    return not settings.hide_seams and settings.solid_regions == "none"
+
+
+def _tone(
+    lines: Contours,
+    samples: Samples,
+    layers: int,
+    mesh: TriangleMesh,
+    model: SurfaceModel,
+    painting: Future[TexturePyramids],
+    settings: PrintSettings,
+    stages: Stages,
+) -> FloatArray:
+    """As `pattern_tone`, anew where the pictures differ; it finds out on which layers."""
+    if _is_local(settings):
+        same = mesh, lines, samples, settings.layer_height, settings.texture_filter
+        repainted = partial(repainted_layers, model.textures, painting, lines, layers)
+        stages.compare_layers("pictures", same, model.textures, repainted)
+    painted = stages.run_layers("tone", painted_tone, painted_tone_anew, (painting.result(),), lines, settings)
+    tone = stages.run("average", _averaged, painted, lines, settings)
+    if _is_local(settings):
+        stages.compare_layers("tones", (lines, samples), (tone,), partial(other_layers, (tone,), lines, layers))
+    return tone
 
 
 def _averaged(tone: FloatArray, lines: Contours, settings: PrintSettings) -> FloatArray:
