@@ -71,7 +71,8 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
     outer = outer_wall_paths(wall.outlines)
     shade = aside("shadow", _shadow, lines, holding, settings)
-    around = aside("surroundings", _surroundings, shade, cut, holding, outer.first_layer, settings)
+    last = int(max(paths.layer.max(initial=0) for paths in (outer, holding.paths)))
+    around = aside("surroundings", _surroundings, shade, cut, holding, outer.first_layer, last, settings)
     hanging = aside("undersides", undersides, wall.mesh, cut.layers.plane, settings)
     thin = aside("thin features", thin_features, cut, lines, settings)
     yield stages.begin(0.65, "fill")
@@ -115,6 +116,10 @@ def _shadow(lines: Contours, holding: Supports, settings: PrintSettings) -> Geom
     return shadow(lines.points, distinct(get_parts(holding.areas)), settings)
 
 
-def _surroundings(shade: Geometry, cut: Slices, holding: Supports, wall: Paths, settings: PrintSettings) -> Paths:
+def _surroundings(
+    shade: Geometry, cut: Slices, holding: Supports, wall: Paths, last: int, settings: PrintSettings
+) -> Paths:
     first = on_bed(cut.regions[0], holding.areas[0], settings)
-    return surrounding_paths(ground(shade, first, wall, settings), raised(cut.layers, settings), settings)
+    # A tip may end below the top of the mesh, where it is thinner than a strand; so does what stands beside it.
+    layers = raised(cut.layers.up_to(last), settings)
+    return surrounding_paths(ground(shade, first, wall, settings), layers, settings)

@@ -84,7 +84,7 @@ def toolpaths_anew(
 ) -> Toolpaths:
     """As `toolpaths`, with the ways between the fresh layers and those beside them; see `anew.py`."""
     stack = raised(beside.layers, settings)
-    if wall.swapped is not None or settings.seam_position not in _LOCAL_SEAMS or not _apart(former.paths, len(stack)):
+    if wall.swapped is not None or settings.seam_position not in _LOCAL_SEAMS or not _apart(former.paths):
         return toolpaths(wall, fill, within, beside, settings)
     on_raft = np.append(np.zeros(settings.raft_layers, dtype=bool), fresh)
     own = [paths.selected(fresh[paths.layer]) for paths in (wall, fill, beside.holding)]
@@ -104,10 +104,11 @@ def _ordered(parts: list[Paths], around: Paths, beside: Surrounded, settings: Pr
     return with_overhangs(paths, beside.below, settings)
 
 
-def _apart(paths: OrderedPaths, layers: int) -> bool:
+def _apart(paths: OrderedPaths) -> bool:
     """Whether each layer begins with a loop of the tower or the like, so that its order depends on no other layer."""
-    first = np.searchsorted(paths.layer, np.arange(layers))
-    if first[-1] == len(paths.layer) or (paths.layer[first] != np.arange(layers)).any():
+    layers = np.arange(paths.layer.max(initial=-1) + 1)
+    first = np.searchsorted(paths.layer, layers)
+    if not len(layers) or (paths.layer[first] != layers).any():
         return False
     begin, end = paths.points[paths.start[first]], paths.points[paths.start[first + 1] - 1]
     then = np.minimum(first + 1, len(paths.layer) - 1)

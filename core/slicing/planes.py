@@ -27,6 +27,10 @@ class Layers:
     def __len__(self) -> int:
         return len(self.plane)
 
+    def up_to(self, last: int) -> Layers:
+        """The stack without the layers above the last one."""
+        return Layers(*(column[: last + 1] for column in (self.plane, self.top, self.height)))
+
 
 def layer_stack(object_height: float, settings: PrintSettings) -> Layers:
     """The layers of an object `object_height` mm tall, standing on the bed.

@@ -286,3 +286,12 @@ def test_what_is_too_small_to_print_is_told_with_a_remedy():
     job = generate(joined(box((0, 0, 0), (10, 10, 4)), box((4, 4, 4), (4.2, 4.2, 6))), PrintSettings())
     (told,) = [text for text in job.warnings if "smaller than a strand" in text]
     assert "8 in all layers" in told and "scale" in told and "extrusion_width" in told
+
+
+@pytest.mark.parametrize("raft", [0, 2])
+def test_nothing_is_printed_beside_a_tip_that_is_too_thin_to_print(raft):
+    needle = joined(box((0, 0, 0), (10, 10, 4)), box((4, 4, 4), (4.2, 4.2, 9)))
+    settings = PrintSettings(raft_layers=raft, ooze_shield=True)
+    moves = generate(needle, settings).moves
+    assert moves.layer[moves.feature == Feature.TOWER].max() == moves.layer.max() == 15 + raft
+    assert moves.position[moves.extrudes, 2].max() == pytest.approx(4.0 + (raft > 0) * (raft * 0.25 + 0.2))

@@ -115,6 +115,16 @@ def layers_apart(one, other):
     return [layer for layer in range(count) if not np.array_equal(rows(one.moves, layer), rows(other.moves, layer))]
 
 
+def test_a_tip_too_thin_to_print_hinders_nobody(made):
+    cache, settings = StageCache(), PrintSettings()
+    for row in (4, 40, 60):
+        tone = PICTURE.tone.copy()
+        tone[row : row + 4, 3:8] = 0.2
+        tipped = lathe([[7, 0], [7, 10], [0.1, 12]], 48, textures=(replace(PICTURE, tone=tone),))
+        assert of(generate(tipped, settings, cache=cache)) == of(generate(tipped, settings))
+    assert len(made["loops"]) >= 2
+
+
 def test_objects_that_share_a_picture(made):
     settings, cache, tone = PrintSettings(), StageCache(), PICTURE.tone.copy()
     tone[20:24, 3:8] = 0.2
