@@ -35,7 +35,7 @@ DISTANCES_MM = {"hand": 300.0, "desk": 700.0, "shelf": 2000.0}
 
 _ARC_MINUTE_RAD = math.radians(1 / 60)
 _SIGMA_OF_FWHM = 1 / math.sqrt(8 * math.log(2))
-_MARGIN, _TEXT_HEIGHT = 12, 18
+_MARGIN, _TEXT_HEIGHT, _LEAST_TEXT = 12, 18, 5
 _PAPER, _INK = (255, 255, 255), (40, 40, 40)
 
 
@@ -113,10 +113,11 @@ def contact_sheet(rows: Sequence[Sequence[Picture]], labels: Sequence[str]) -> P
     head = _MARGIN + _TEXT_HEIGHT + _MARGIN // 2
     sheet = Image.new("RGB", (_MARGIN + across * len(labels), head + down * len(rows)), _PAPER)
     pen = ImageDraw.Draw(sheet)
-    font = ImageFont.load_default(_TEXT_HEIGHT * 0.8)
-    longest = max(font.getlength(label) for label in labels)
-    if longest > width:  # a small picture's title would run into the next one
-        font = ImageFont.load_default(_TEXT_HEIGHT * 0.8 * width / longest)
+    size = int(_TEXT_HEIGHT * 0.8)
+    font = ImageFont.load_default(size)
+    while size > _LEAST_TEXT and max(map(font.getlength, labels)) > width:
+        size -= 1  # a small picture's title would run into the next one
+        font = ImageFont.load_default(size)
     for column, label in enumerate(labels):
         left = _MARGIN + column * across
         pen.text((left, _MARGIN // 2), label, _INK, font)
