@@ -232,7 +232,7 @@ def _unit(vectors: FloatArray) -> FloatArray:
 
 
 def on_loop(arc: FloatArray, loop: IntArray, arc_start: FloatArray) -> FloatArray:
-    """Move arcs at the very end of their loop to its beginning, the same place, which rounding puts on the next loop."""
+    """Move arcs at the very end of their loop to its beginning, the same place: rounding puts them on the next loop."""
     return np.where(arc >= arc_start[loop + 1] - 1e-9, arc_start[loop], arc)
 
 

@@ -11,9 +11,9 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Feature
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..settings.header_text import read_back
 from ..toolpaths.moves import Moves
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
-from .texts import read_back
 from .words import LETTERS, Words, read_words
 
 _STEPS = (0.001, 0.00001)  # mm, of positions and filament in the file

@@ -10,11 +10,11 @@ import numpy as np
 from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..settings.header_text import written
 from ..statistics.time_and_filament import layer_begins, move_seconds
 from ..toolpaths.moves import Moves
 from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word
 from .program import WIDTH_STEP, Lines, Program, joined, untimed_program, with_progress
-from .texts import written
 
 _CHUNK_ROWS = 1 << 13  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900

@@ -12,8 +12,8 @@ from typing import Any
 
 from ..errors import OutputError, SettingsError
 from ..files import MOST_JSON_BYTES, read_json, write_file
-from ..gcode.texts import read_back
 from ..records import dataclass
+from .header_text import read_back
 from .print_settings import PrintSettings
 
 PRESETS = Path(__file__).resolve().parent.parent.parent / "presets"
