@@ -1,10 +1,13 @@
 """Stages run again on the layers whose tones have changed; all other layers keep their former results.
 
-Each function returns what its stage returns for the whole print. `former` is the stage's last result; its inputs differ
+Each `…_anew` returns what its stage returns for the whole print. `former` is the stage's last result; its inputs differ
 from those of that run only on the layers that `fresh` (L,) marks.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numpy as np
 import shapely
@@ -16,15 +19,66 @@ from ..fill.paths import fill_areas, fill_lines
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..paths import Paths
 from ..pattern.strand_edges import widened
-from ..pattern.wave import WavedOutlines, modulated, valley_lines, waved
+from ..pattern.wave import WavedOutlines, modulated, valley_lines
 from ..sampling.sampling import Samples
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids
-from ..toolpaths.outer_wall import inside_of_lines, inside_of_wall, straight_parts
+from ..toolpaths.outer_wall import inside_of_lines, inside_of_wall
 from .layers import between, joined, runs, spliced
 
 Areas = tuple[Shapes, ...]
+Result = TypeVar("Result")
+
+
+def along_lines(whole: Callable[..., Result]) -> Callable[..., Result]:
+    """Another function that makes some layers anew of what this one makes loop by loop.
+
+    Args:
+        whole: gives columns (N,) of the contour points, columns (I,) of the islands, or outlines. Of the contours among
+            its arguments, and of what goes with them (outlines, samples, columns of the points), it is handed those of
+            the layers in question; all else as it is.
+    """
+
+    def anew(former: Result, fresh: BoolArray, *arguments: Any) -> Result:
+        lines = next(given for given in arguments if isinstance(given, Contours))
+        parts = [whole(*(_of_layers(given, lines, first, last) for given in arguments)) for first, last in runs(fresh)]
+        made: Result = _put(former, parts, fresh, lines)
+        return made
+
+    return anew
+
+
+def _of_layers(given: Any, lines: Contours, first: int, last: int) -> Any:
+    """What of an argument belongs to the layers from `first` to the one before `last`."""
+    loops, points = _places(lines, first, last)
+    if isinstance(given, Contours):
+        return between(given, first, last)
+    if isinstance(given, WavedOutlines):
+        return between(given, first, last)
+    if isinstance(given, Samples):
+        own = slice(*given.start[[loops.start, loops.stop]].tolist())
+        start = given.start[loops.start : loops.stop + 1] - own.start
+        return Samples(given.arc[own], given.loop[own] - loops.start, start)
+    return given[points] if isinstance(given, np.ndarray) and len(given) == len(lines.points) else given
+
+
+def _put(former: Any, parts: list[Any], fresh: BoolArray, lines: Contours) -> Any:
+    """What a function has given last, with what it gives for each run of fresh layers put in its place."""
+    if isinstance(former, tuple):
+        columns = zip(former, zip(*parts, strict=True), strict=True)
+        return tuple(_put(column, list(made), fresh, lines) for column, made in columns)
+    if not isinstance(former, np.ndarray):
+        return spliced(former, joined(parts), fresh)
+    column = former.copy()
+    for (first, last), part in zip(runs(fresh), parts, strict=True):
+        loops, points = _places(lines, first, last)
+        if len(column) == len(lines.points):
+            column[points] = part
+        else:
+            islands = np.unique(lines.polygon[loops])
+            column[islands] = part[islands]
+    return column
 
 
 def painted_tone(pyramids: TexturePyramids, lines: Contours, settings: PrintSettings) -> FloatArray:
@@ -32,37 +86,9 @@ def painted_tone(pyramids: TexturePyramids, lines: Contours, settings: PrintSett
     return tone_at(pyramids, lines.face, lines.carried[:, :2], lines.carried[:, 2], settings.background_tone)
 
 
-def painted_tone_anew(
-    former: FloatArray, fresh: BoolArray, pyramids: TexturePyramids, lines: Contours, settings: PrintSettings
-) -> FloatArray:
-    """As `painted_tone`."""
-    tone = former.copy()
-    for first, last in runs(fresh):
-        tone[_places(lines, first, last)[1]] = painted_tone(pyramids, between(lines, first, last), settings)
-    return tone
-
-
 def print_tones(tone: FloatArray, slant_deg: FloatArray, lines: Contours, curve: ToneCurve | None) -> FloatArray:
     """(N,) tones to print for those asked for."""
     return tone if curve is None else curve.printed(tone, slant_deg)
-
-
-def print_tones_anew(
-    former: FloatArray,
-    fresh: BoolArray,
-    tone: FloatArray,
-    slant_deg: FloatArray,
-    lines: Contours,
-    curve: ToneCurve | None,
-) -> FloatArray:
-    """As `print_tones`."""
-    if curve is None:
-        return tone
-    printed = former.copy()
-    for first, last in runs(fresh):
-        points = _places(lines, first, last)[1]
-        printed[points] = curve.printed(tone[points], slant_deg[points])
-    return printed
 
 
 def set_back_lines(
@@ -73,92 +99,19 @@ def set_back_lines(
     return depth, widened(lines, printed, set_back, settings)
 
 
-def modulated_anew(
-    former: tuple[FloatArray, FloatArray],
-    fresh: BoolArray,
-    printed: FloatArray,
-    lines: Contours,
-    slant_deg: FloatArray,
-    settings: PrintSettings,
-) -> tuple[FloatArray, FloatArray]:
-    """As `set_back_lines`."""
-    depth, set_back = (column.copy() for column in former)
-    for first, last in runs(fresh):
-        points = _places(lines, first, last)[1]
-        some = between(lines, first, last)
-        depth[points], set_back[points] = set_back_lines(printed[points], some, slant_deg[points], settings)
-    return depth, set_back
-
-
-def waved_anew(
-    former: WavedOutlines,
-    fresh: BoolArray,
-    lines: Contours,
-    samples: Samples,
-    tone: FloatArray,
-    depth: FloatArray,
-    set_back: FloatArray,
-    settings: PrintSettings,
-    swapped: BoolArray | None = None,
-) -> WavedOutlines:
-    """As `waved`."""
-    parts = []
-    for first, last in runs(fresh):
-        loops, points = _places(lines, first, last)
-        own = slice(*samples.start[[loops.start, loops.stop]].tolist())
-        start = samples.start[loops.start : loops.stop + 1] - own.start
-        some = Samples(samples.arc[own], samples.loop[own] - loops.start, start)
-        own_lines, also = between(lines, first, last), None if swapped is None else swapped[points]
-        parts.append(waved(own_lines, some, tone[points], depth[points], set_back[points], settings, also))
-    return spliced(former, joined(parts), fresh)
-
-
-def inside_anew(
-    former: Shapes,
-    fresh: BoolArray,
+def inside_lines(
     outlines: WavedOutlines,
     lines: Contours,
     depth: FloatArray,
     set_back: FloatArray,
-    island_layer: IntArray,
+    waves: bool,
+    polygons: int,
     tolerance: float,
 ) -> Shapes:
-    """As `inside_of_wall`."""
-    inside, count, waves = former.copy(), len(island_layer), bool(depth.any())
-    for first, last in runs(fresh):
-        _, points = _places(lines, first, last)
-        some, wall, moved = (
-            between(lines, first, last),
-            between(outlines, first, last),
-            (depth[points], set_back[points]),
-        )
-        if waves:
-            found = inside_of_lines(some, valley_lines(some, *moved), count, tolerance)
-        else:
-            found = inside_of_wall(wall, some, *moved, count, tolerance)
-        own = slice(*np.searchsorted(island_layer, (first, last)).tolist())
-        inside[own] = found[own]
-    return inside
-
-
-def straight_anew(
-    former: Shapes,
-    fresh: BoolArray,
-    lines: Contours,
-    depth: FloatArray,
-    set_back: FloatArray,
-    polygons: int,
-    settings: PrintSettings,
-) -> Shapes:
-    """As `straight_parts`."""
-    straight = former.copy()
-    for first, last in runs(fresh):
-        loops, points = _places(lines, first, last)
-        some = between(lines, first, last)
-        found = straight_parts(some, depth[points], set_back[points], polygons, settings)
-        own = np.unique(lines.polygon[loops])
-        straight[own] = found[own]
-    return straight
+    """As `inside_of_wall`; `waves` tells whether there are any on the whole print."""
+    if waves:
+        return inside_of_lines(lines, valley_lines(lines, depth, set_back), polygons, tolerance)
+    return inside_of_wall(outlines, lines, depth, set_back, polygons, tolerance)
 
 
 def areas_anew(

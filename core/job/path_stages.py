@@ -10,9 +10,7 @@ from shapely import Geometry, get_parts
 
 from ..contours.contours import Contours
 from ..fill.paths import fill_areas, fill_lines
-from ..model import FloatArray, IntArray, Shapes
 from ..paths import Paths
-from ..pattern.wave import WavedOutlines
 from ..printability.thin_features import ThinFeatures, thin_features
 from ..progress import Progress
 from ..records import dataclass
@@ -23,12 +21,12 @@ from ..supports.grid_overlay import distinct
 from ..supports.paths import Supports, on_bed, supports
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths
-from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths, straight_parts
+from ..toolpaths.outer_wall import outer_wall_paths, straight_parts
 from ..toolpaths.overhangs import Below, undersides
 from ..toolpaths.raft import raised
 from ..toolpaths.surroundings import ground, shadow, surrounding_paths
 from ..toolpaths.travels import Rooms, rooms
-from .anew import areas_anew, filled_anew, inside_anew, straight_anew
+from .anew import areas_anew, filled_anew, inside_lines
 from .stages import Stages
 from .toolpaths import Surrounded, toolpaths, toolpaths_anew
 from .wall_stages import PaintedWall
@@ -66,7 +64,8 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     Raises:
         PrintError: the print does not fit the printer.
     """
-    run, layered, aside, cut, lines = stages.run, stages.run_layers, stages.aside, wall.cut, wall.lines
+    run, layered, along, aside = stages.run, stages.run_layers, stages.run_along_lines, stages.aside
+    cut, lines = wall.cut, wall.lines
     yield stages.begin(0.6, "supports")
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
     outer = outer_wall_paths(wall.outlines)
@@ -78,8 +77,9 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     yield stages.begin(0.65, "fill")
     island_layer = cut.polygon_layer
     of_wall = (wall.outlines, lines, wall.depth, wall.set_back)
-    inside = layered("inside", _inside, inside_anew, of_wall, island_layer, FILL_TOLERANCE)
-    straight = layered("straight parts", straight_parts, straight_anew, of_wall[1:], len(island_layer), settings)
+    waves, count = bool(wall.depth.any()), len(island_layer)
+    inside = along("inside", inside_lines, of_wall, waves, count, FILL_TOLERANCE)
+    straight = along("straight parts", straight_parts, of_wall[1:], count, settings)
     known = wall.closing.result()
     skins = known.skins.regions, known.skins.whole
     areas = layered("areas", fill_areas, areas_anew, (inside, straight), island_layer, *skins, settings)
@@ -98,17 +98,6 @@ def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintS
     """The print without tool changes within layers, every wall in its layer's color, to tell what they cost."""
     outer = outer_wall_paths(replace(wall.outlines, swapped=None))
     return toolpaths(outer, paths.fill, paths.within, paths.beside, settings).moves
-
-
-def _inside(
-    outlines: WavedOutlines,
-    lines: Contours,
-    depth: FloatArray,
-    set_back: FloatArray,
-    island_layer: IntArray,
-    tolerance: float,
-) -> Shapes:
-    return inside_of_wall(outlines, lines, depth, set_back, len(island_layer), tolerance)
 
 
 def _shadow(lines: Contours, holding: Supports, settings: PrintSettings) -> Geometry:

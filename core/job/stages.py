@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 from ..progress import Progress
+from .anew import along_lines
 from .clock import StageClock, peak_rss_mb
 from .stage_cache import NoCache, StageCache
+
+Result = TypeVar("Result")
 
 
 class Stages:
@@ -41,6 +44,12 @@ class Stages:
     ) -> None:
         """Wait for the work beside the stages."""
         self._beside.shutdown()
+
+    def run_along_lines(
+        self, stage: str, whole: Callable[..., Result], given: tuple[Any, ...], *arguments: Any
+    ) -> Result:
+        """As `run_layers`, of a function that works loop by loop, see `along_lines`."""
+        return self.run_layers(stage, whole, along_lines(whole), given, *arguments)
 
     def begin(self, done: float, name: str) -> Progress:
         """The next stage begins; what a job's generator has to yield then."""

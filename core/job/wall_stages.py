@@ -30,15 +30,7 @@ from ..slicing.slices import Slices, slices
 from ..texture.charts import uv_charts
 from ..texture.island_levels import island_levels
 from ..texture.pyramid import TexturePyramids, build_pyramids, sizes_of
-from .anew import (
-    modulated_anew,
-    painted_tone,
-    painted_tone_anew,
-    print_tones,
-    print_tones_anew,
-    set_back_lines,
-    waved_anew,
-)
+from .anew import painted_tone, print_tones, set_back_lines
 from .repainted import other_layers, repainted_layers
 from .stages import Stages
 
@@ -90,7 +82,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     Raises:
         PrintError: the input cannot be printed.
     """
-    run, layered, aside = stages.run, stages.run_layers, stages.aside
+    run, along, aside = stages.run, stages.run_along_lines, stages.aside
     yield stages.begin(0.0, "mesh")
     mesh = run("mesh", triangulate, _without_pictures(model), settings)
     painting = _pyramids(mesh, model, settings, stages)
@@ -115,14 +107,14 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     yield stages.begin(0.5, "modulation")
     slant = run("slant", _slant, lines, mesh, settings.wavelength)
     curve, notes = run("tone curve", tone_curve, tone, settings)
-    printed = layered("calibration", print_tones, print_tones_anew, (tone,), slant, lines, curve)
-    depth, set_back = layered("modulation", set_back_lines, modulated_anew, (printed,), lines, slant, settings)
+    printed = along("calibration", print_tones, (tone,), slant, lines, curve)
+    depth, set_back = along("modulation", set_back_lines, (printed,), lines, slant, settings)
     depth, set_back, swapped, solid = _solid_colors(lines, tone, slant, depth, set_back, projector, settings)
     if not _is_local(settings):
         columns = (tone, depth, set_back)
         stages.compare_layers("walls", (lines, samples), columns, partial(other_layers, columns, lines, layers))
     of_wave = (lines, samples, tone, depth, set_back)
-    outlines = layered("wave", waved, waved_anew, of_wave, settings, swapped)
+    outlines = along("wave", waved, of_wave, settings, swapped)
     return PaintedWall(
         mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint,
         closes,
@@ -182,7 +174,7 @@ def _tone(
         same = mesh, lines, samples, settings.layer_height, settings.texture_filter
         repainted = partial(repainted_layers, model.textures, painting, lines, layers)
         stages.compare_layers("pictures", same, model.textures, repainted)
-    painted = stages.run_layers("tone", painted_tone, painted_tone_anew, (painting.result(),), lines, settings)
+    painted = stages.run_along_lines("tone", painted_tone, (painting.result(),), lines, settings)
     tone = stages.run("average", _averaged, painted, lines, settings)
     if _is_local(settings):
         stages.compare_layers("tones", (lines, samples), (tone,), partial(other_layers, (tone,), lines, layers))

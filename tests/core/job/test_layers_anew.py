@@ -61,7 +61,7 @@ def made(monkeypatch):
 
         return call
 
-    monkeypatch.setattr(anew, "waved", noting("loops", anew.waved, lambda result: len(result.layer)))
+    monkeypatch.setattr(anew, "joined", noting("loops", anew.joined, lambda result: len(result.layer)))
     assembled = noting("moves", toolpaths.assemble, lambda result: len(result.tool))
     monkeypatch.setattr(toolpaths, "assemble", assembled)
     return counts
