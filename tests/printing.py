@@ -53,3 +53,8 @@ def rosette(layers: int, points: int) -> Moves:
 def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins: FloatArray | None = None) -> bytes:
     """The whole G-code file of some moves, without the count of its lines."""
     return counted_text(moves, settings, header, begins)[0]
+
+
+def lengths(moves: Moves) -> np.ndarray:
+    """(M,) mm that each row goes."""
+    return np.linalg.norm(np.diff(moves.position, axis=0, prepend=moves.position[:1]), axis=1)

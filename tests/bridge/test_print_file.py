@@ -16,7 +16,7 @@ from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.strands.beads import strands  # noqa: E402
 from dualcolor.core.x3g.writer import x3g_bytes  # noqa: E402
-from dualcolor.tests.printing import gcode_text  # noqa: E402
+from dualcolor.tests.printing import gcode_text, lengths  # noqa: E402
 from dualcolor.tests.solids import box  # noqa: E402
 from dualcolor.tests.strand_volume import volume_mm3  # noqa: E402
 
@@ -82,18 +82,14 @@ def test_both_files_tell_the_same_lines(printed, gcode, tmp_path):
     path.write_bytes(x3g_bytes(printed.moves, printed.settings, "brick"))
     both = [read_print(file) for file in (path, gcode)]
     assert len({read.summary for read in both}) == 1
-    meters = steps(printed.moves)[printed.moves.extrudes].sum() / 1000
+    meters = lengths(printed.moves)[printed.moves.extrudes].sum() / 1000
     assert both[0].summary == f"8 layers, {meters:.1f} m of strands"
     # Neither the lines that prime in front of the print nor short travels between two lines are taken for strands.
     laid, expected = (
-        np.bincount(moves.layer[moves.extrudes], steps(moves)[moves.extrudes])
+        np.bincount(moves.layer[moves.extrudes], lengths(moves)[moves.extrudes])
         for moves in (both[0].moves, printed.moves)
     )
     np.testing.assert_allclose(laid, expected, rtol=0.002)
-
-
-def steps(moves):
-    return np.linalg.norm(np.diff(moves.position, axis=0, prepend=moves.position[:1]), axis=1)
 
 
 def test_the_command_makes_a_scene_from_a_file(gcode, tmp_path, capfd):

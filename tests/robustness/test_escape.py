@@ -14,24 +14,6 @@ JOBS = ("generate", "export_gcode", "export_x3g", "analyse", "suggest_orientatio
         "bake_occlusion", "unwrap_xatlas")  # fmt: skip
 
 
-@pytest.fixture
-def block(scene):
-    """The active object: a small block with a picture, the extension registered."""
-    import bpy
-    import dualcolor
-    from dualcolor.bridge.units import use_millimeters
-
-    dualcolor.register()
-    use_millimeters(scene)
-    bpy.ops.mesh.primitive_cube_add(size=6)
-    made = bpy.context.object
-    made.scale.z = 0.2
-    made.dualcolor.image = bpy.data.images.new("picture", 8, 8)
-    bpy.context.view_layer.update()
-    yield made
-    dualcolor.unregister()
-
-
 def operators():
     """The classes of all operators whose job can be stopped, by their names."""
     from dualcolor.operators.job import JobOperator

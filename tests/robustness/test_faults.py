@@ -157,26 +157,6 @@ def test_settings_at_their_limits_print_or_are_refused(name, value, tmp_path):
         assert np.isfinite(result.moves.position).all() and result.report["gcode"]["bytes"] > 1000
 
 
-@pytest.fixture
-def block(scene):
-    """The active object: a small block with a picture, the extension registered."""
-    import bpy
-    import dualcolor
-    from dualcolor.bridge.units import use_millimeters
-
-    dualcolor.register()
-    use_millimeters(scene)
-    bpy.ops.mesh.primitive_cube_add(size=8)
-    made = bpy.context.object
-    made.scale.z = 0.2
-    image = bpy.data.images.new("picture", 8, 8)
-    image.generated_color = (1, 1, 1, 1)
-    made.dualcolor.image = image
-    bpy.context.view_layer.update()
-    yield made
-    dualcolor.unregister()
-
-
 def test_a_picture_that_is_deleted_or_replaced_between_clicks(block):
     import bpy
 

@@ -8,7 +8,7 @@ from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.overhangs import undersides
-from dualcolor.tests.printing import gcode_text
+from dualcolor.tests.printing import gcode_text, lengths
 from dualcolor.tests.solids import box, cylinder, joined, lathe
 
 SLOW = 14.25  # no limit gives this speed
@@ -17,10 +17,6 @@ PLAN = PrintSettings(calibration="none", overhang_speed=SLOW)
 BEAM = joined(box((-20, -5, 0), (-10, 5, 5)), box((10, -5, 0), (20, 5, 5)), box((-20, -5, 5), (20, 5, 7)))
 FIRST_OF_BEAM = 20
 REACH = 1.2  # mm; half a line's width, and half a piece on both sides
-
-
-def lengths(moves):
-    return np.linalg.norm(np.diff(moves.position, axis=0, prepend=moves.position[:1]), axis=1)
 
 
 def slowed(model, settings=PLAN):
