@@ -6,7 +6,7 @@ from collections.abc import Generator
 
 import bpy
 
-from ..bridge.analysis.model_check import TITLES, Findings, check_steps, repair, select
+from ..bridge.analysis.model_check import MEANINGS, TITLES, Findings, check_steps, repair, select
 from ..bridge.properties import set_findings
 from ..bridge.units import LENGTH_DIGITS
 from ..core.progress import Progress, translated
@@ -15,6 +15,7 @@ from .polls import has_mesh, has_own_mesh
 from .viewing import frame_selected
 
 _LINES_OF_A_WALL = 2
+_KIND_ITEMS = [(kind, title, MEANINGS[kind].capitalize()) for kind, title in TITLES.items()]
 
 
 class DUALCOLOR_OT_check_model(JobOperator, bpy.types.Operator):
@@ -48,9 +49,14 @@ class DUALCOLOR_OT_select_finding(JobOperator, bpy.types.Operator):
 
     kind: bpy.props.EnumProperty(
         name="Kind",
-        items=[(kind, title, "") for kind, title in TITLES.items()],
+        items=_KIND_ITEMS,
         description="Which findings are selected",
     )
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        """What is selected."""
+        return f"Show in Edit Mode the {MEANINGS[properties.kind]}"
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

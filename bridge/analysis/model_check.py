@@ -52,6 +52,15 @@ TITLES = {
     "thin_faces": "Thin walls",
 }
 """What each kind of finding is called."""
+MEANINGS = {
+    "open_edges": "edges of one face only, at the border of a hole",
+    "branching_edges": "edges of more than two faces, where inside and outside are not told apart",
+    "flipped_faces": "faces that look inwards",
+    "crossing_faces": "faces that cross others; overlapping parts print as one",
+    "flat_faces": "faces without an area",
+    "thin_faces": "faces of walls that are thinner than two lines",
+}
+"""What each title means, for those who see it for the first time."""
 
 
 def check_steps(obj: bpy.types.Object, least_wall_mm: float) -> Generator[float, None, Findings]:

@@ -1,14 +1,17 @@
 """What would go wrong is found where it was put in, and mended as far as possible."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy")
 
 import bmesh  # noqa: E402
-from dualcolor.bridge.analysis.model_check import Findings, check_steps  # noqa: E402
+from dualcolor.bridge.analysis.model_check import MEANINGS, TITLES, Findings, check_steps  # noqa: E402
 from dualcolor.bridge.properties import findings_of  # noqa: E402
 from dualcolor.core.progress import drained  # noqa: E402
+from dualcolor.operators.check_model import DUALCOLOR_OT_select_finding  # noqa: E402
 from dualcolor.tests.scene import CUBE, CUBE_FACES, add_box, add_mesh  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
@@ -20,6 +23,14 @@ def found_on(obj, least_wall_mm=0.8) -> Findings:
 
 def test_a_box_is_sound():
     assert not any(found_on(add_box((10, 10, 10))).counts().values())
+
+
+def test_findings_have_titles_that_fit_beside_their_button_and_are_explained():
+    kinds = found_on(add_box()).counts().keys()
+    assert kinds == TITLES.keys() == MEANINGS.keys()
+    assert max(map(len, TITLES.values())) <= 18  # a longer one hides its number
+    asked = DUALCOLOR_OT_select_finding.description
+    assert all(MEANINGS[kind] in asked(None, SimpleNamespace(kind=kind)) for kind in kinds)
 
 
 def test_a_missing_face_leaves_four_open_edges():
