@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from itertools import pairwise
 
 import numpy as np
@@ -14,6 +13,7 @@ from ..paths import Feature, Paths
 from ..ragged import starts
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
+from .chordal_axis import ON_EDGE_MM, SIMPLIFY_MM, middles
 from .mitres import Moved
 from .walls import offset, offset_outlines
 
@@ -24,14 +24,10 @@ _SMALLEST_MM2 = 0.1
 _LOST = 0.5  # line widths of length that walls lose for other reasons
 _NEAR = 2.0  # line widths: what is left out nearer to the inner line would be a gap too short for a line of its own
 _CORNER = 0.1  # line widths: corners of walls are no gaps
-_SAMPLE = 0.5  # line widths between the boundary's points that the middle is found from
 _SHORTEST, _LONGEST = 1.0, 5.0  # line widths, of a line in a gap and of its pieces, each with a width of its own
 _NARROWEST, _WIDEST = 0.5, 1.5  # line widths
 _WIDEST_FILL = 1.05  # line widths, on average: what is wider is filled by lines across
 _LEAST_AROUND = 8.0  # line widths around what is filled by one line: smaller places would get none
-_SIMPLIFY_MM = 0.01
-_ON_EDGE_MM = 1e-6
-_GRID_DIGITS = 6  # decimals of mm; points much nearer than that to each other upset the triangulation
 
 
 def margins(settings: PrintSettings) -> tuple[float, ...]:
@@ -171,7 +167,7 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
     parts, kept_off = parts[some], 2.0 * np.maximum(-np.array(margin), 0.0)[number]
     if not len(parts):
         return Paths.empty()
-    merged, edges = geos_in_threads(_middles, parts, width_mm[island])
+    merged, edges = geos_in_threads(middles, parts, width_mm[island])
     lines, part = shapely.get_parts(merged, return_index=True)
     width = width_mm[island[part]]
     long = (shapely.length(lines) >= _SHORTEST * width) & (shapely.get_dimensions(lines) == 1)
@@ -198,31 +194,6 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
     )
 
 
-def _on_grid(points: FloatArray) -> FloatArray:
-    """(N, 2) points rounded to a grid, so that neighbors either coincide or are well apart."""
-    rounded: FloatArray = np.round(points, _GRID_DIGITS)
-    return rounded
-
-
-def _triangles(points: Shapes, gap: Shapes) -> Shapes:
-    """(P,) Delaunay triangulations of (P,) sets of points on the boundaries of polygons.
-
-    GEOS fails on some sets, mostly long symmetric ones; then the polygon itself is triangulated, which takes longer.
-    """
-    try:
-        return np.asarray(shapely.delaunay_triangles(points))
-    except shapely.GEOSException:  # tells not which one
-        pass
-    found = np.full(len(points), shapely.GeometryCollection(), dtype=object)
-    for row, one in enumerate(points):
-        try:
-            found[row] = shapely.delaunay_triangles(one)
-        except shapely.GEOSException:
-            with suppress(shapely.GEOSException):
-                found[row] = shapely.constrained_delaunay_triangles(gap[row])
-    return found
-
-
 def _to_the_ends(
     points: FloatArray, wide: FloatArray, line: IntArray, gaps: Shapes, gap: IntArray
 ) -> tuple[FloatArray, FloatArray, IntArray]:
@@ -240,52 +211,23 @@ def _to_the_ends(
     # Last points come first: where one is put in at the place of the next line's first one, it has to stand before it.
     ends, before = np.concatenate([last, first]), np.concatenate([last - 1, first + 1])
     where = np.concatenate([last + 1, first])
-    place = np.column_stack([gap[line[ends]], np.round(points[ends] / _ON_EDGE_MM)])
+    place = np.column_stack([gap[line[ends]], np.round(points[ends] / ON_EDGE_MM)])
     _, place, count = np.unique(place, axis=0, return_inverse=True, return_counts=True)
     free = count[place.ravel()] == 1  # no fork
     ends, before, where = ends[free], before[free], where[free]
     away = points[ends] - points[before]
-    away *= (2 * wide[ends] / np.maximum(np.hypot(*away.T), _ON_EDGE_MM))[:, None]
+    away *= (2 * wide[ends] / np.maximum(np.hypot(*away.T), ON_EDGE_MM))[:, None]
     ahead = shapely.linestrings(np.stack([points[ends], points[ends] + away], axis=1))
     reached = shapely.intersection(ahead, gaps[gap[line[ends]]])
     on = shapely.get_parts(reached, return_index=True)
-    touching = shapely.distance(on[0], shapely.points(points[ends[on[1]]])) < 2 * _ON_EDGE_MM
+    touching = shapely.distance(on[0], shapely.points(points[ends[on[1]]])) < 2 * ON_EDGE_MM
     length = np.zeros(len(ends))
     np.maximum.at(length, on[1][touching], shapely.length(on[0][touching]))
-    longer = length > _SIMPLIFY_MM
-    tips = points[ends] + away * (length / np.maximum(np.hypot(*away.T), _ON_EDGE_MM))[:, None]
+    longer = length > SIMPLIFY_MM
+    tips = points[ends] + away * (length / np.maximum(np.hypot(*away.T), ON_EDGE_MM))[:, None]
     ends, where = ends[longer], where[longer]
     return (
         np.insert(points, where, tips[longer], axis=0),
         np.insert(wide, where, wide[ends]),
         np.insert(line, where, line[ends]),
     )
-
-
-def _middles(gap: Shapes, width_mm: FloatArray) -> tuple[Shapes, Shapes]:
-    """(P,) lines along the middle of (P,) polygons, and the polygons' boundaries."""
-    gap = shapely.segmentize(gap, _SAMPLE * width_mm)
-    edge = shapely.boundary(gap)
-    points, part = shapely.get_coordinates(edge, return_index=True)
-    # Whatever holds the points is triangulated: one line is made sooner than a point each.
-    corner, part = shapely.get_coordinates(
-        _triangles(shapely.linestrings(_on_grid(points), indices=part), gap), return_index=True
-    )
-    corner, part = corner.reshape(-1, 4, 2)[:, :3], part[::4]
-    center = (corner[:, 0] + corner[:, 1] + corner[:, 2]) / 3
-    inside = offset(gap, -_ON_EDGE_MM)
-    shapely.prepare(inside)
-    within = shapely.contains_xy(inside[part], center[:, 0], center[:, 1])
-    corner, center, part = corner[within], center[within], part[within]
-    side = (corner + np.roll(corner, -1, axis=1)) / 2
-    across = shapely.contains_xy(inside[part][:, None], side[..., 0], side[..., 1])
-    passed, forked = across.sum(axis=1) == 2, across.sum(axis=1) == 3
-    straight = side[passed][across[passed]].reshape(-1, 2, 2)
-    branches = np.stack([side[forked], np.repeat(center[forked][:, None], 3, axis=1)], axis=2).reshape(-1, 2, 2)
-    part = np.concatenate([part[passed], np.repeat(part[forked], 3)])
-    pieces = np.concatenate([straight, branches])[np.argsort(part, kind="stable")]
-    bounds = starts(np.bincount(part, minlength=len(gap)))
-    middle = shapely.from_ragged_array(
-        shapely.GeometryType.MULTILINESTRING, pieces.reshape(-1, 2), (2 * np.arange(len(pieces) + 1), bounds)
-    )
-    return shapely.simplify(shapely.line_merge(middle), _SIMPLIFY_MM, preserve_topology=False), edge
