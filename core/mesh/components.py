@@ -22,6 +22,13 @@ def components(groups: IntArray) -> IntArray:
     return np.asarray(_roots(columns, int(groups.max(initial=-1)) + 1).take(columns[0]))
 
 
+def connected(count: int, first: IntArray, second: IntArray) -> IntArray:
+    """(count,) number of each node's component, from 0 on, where edges lead from nodes (E,) to nodes (E,)."""
+    every = np.arange(count)
+    pairs = np.stack([np.append(every, first), np.append(every, second)], axis=1)
+    return numbered(components(pairs)[:count])
+
+
 def _roots(columns: list[IntArray], count: int) -> IntArray:
     """(count,) the root of each node, where links lead from each of some columns (K,) of nodes to the next one.
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..contours.contours import Contours, average_along_wall
+from ..mesh.components import connected
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import preceding
 from ..records import dataclass
@@ -169,21 +170,6 @@ def solid_report(
         "tool_changes_in_layers": 0,
         "tool_change_time_s": 0.0,
     }
-
-
-def connected(count: int, first: IntArray, second: IntArray) -> IntArray:
-    """(count,) connected components: the least node that each node is connected with, by edges (E,) to (E,)."""
-    label = np.arange(count)
-    while True:
-        least = np.minimum(label[first], label[second])
-        further = label.copy()
-        # The roots move too, so that long chains take few rounds.
-        for end in (first, second, label[first], label[second]):
-            np.minimum.at(further, end, least)
-        further = further[further]
-        if np.array_equal(further, label):
-            return label
-        label = further
 
 
 def runs(kind: IntArray, start: IntArray) -> IntArray:

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from ..fill.walls import offset, simplified
-from ..mesh.components import components, numbered
+from ..mesh.components import connected
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..ragged import ranges
@@ -62,13 +62,7 @@ def _most(values: FloatArray | IntArray, column: IntArray) -> FloatArray:
 def _columns_of(parts: Shapes, layer: IntArray) -> IntArray:
     """(P,) number of each part's column: parts that touch from layer to layer are one column."""
     upper, lower = _pairs(parts, layer, parts, layer - 1)
-    return _connected(np.append(upper, lower), np.append(lower, upper), len(parts))
-
-
-def _connected(one: IntArray, other: IntArray, count: int) -> IntArray:
-    """(count,) number of the component that each node belongs to, of pairs of nodes that hang together."""
-    every = np.arange(count)
-    return numbered(components(np.stack([np.append(every, one), np.append(every, other)], axis=1))[:count])
+    return connected(len(parts), upper, lower)
 
 
 def _under(parts: Shapes, layer: IntArray, islands: Shapes, island_layer: IntArray) -> IntArray:
@@ -109,7 +103,7 @@ def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, t
 
 def _united(pieces: Shapes, layer: IntArray, count: int) -> Shapes:
     """(L,) pieces of each layer; grown columns that overlap become one."""
-    group = _connected(*_pairs(pieces, layer, pieces, layer), len(pieces))
+    group = connected(len(pieces), *_pairs(pieces, layer, pieces, layer))
     shapes, several = gathered(pieces, group, len(pieces)), np.bincount(group, minlength=len(pieces)) > 1
     shapes[several] = once(lambda some: (shapely.buffer(some, 0.0),), shapes[several])
     of_group = np.zeros(len(pieces), dtype=np.int64)

@@ -168,8 +168,7 @@ def _travel_retracted(between: _Connections, settings: PrintSettings) -> None:
     row = between.first[chosen] + approach.pulls[chosen]
     begin, left = between.begin[chosen], between.left[chosen]
     if approach.hops:
-        # Over the higher of the two layers, as a travel may lead up a layer.
-        height = np.maximum(left[:, 2], begin[:, 2]) + settings.z_hop
+        height = begin[:, 2] + settings.z_hop  # over the higher of the two layers, as a travel may lead up a layer
         table.position[row] = np.column_stack([left[:, :2], height])
         row = row + 1 + approach.via[chosen]
         table.position[row] = np.column_stack([begin[:, :2], height])

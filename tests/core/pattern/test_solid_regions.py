@@ -14,7 +14,6 @@ from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.paths import Feature
 from dualcolor.core.pattern.modulation import layer_is_black
 from dualcolor.core.pattern.solid_regions import (
-    connected,
     left_to_other_tool,
     runs,
     solid_regions,
@@ -115,14 +114,6 @@ def test_runs_go_on_across_the_beginning_of_a_loop():
     run = runs(kind, np.array([0, 5, 9, 12]))
     assert run[0] == run[1] == run[4] and run[5] == run[6] == run[8] and len(set(run[9:])) == 1
     assert len(set(run.tolist())) == 6
-
-
-def test_things_are_connected_along_chains():
-    label = connected(7, np.array([5, 1, 3, 2]), np.array([3, 2, 1, 6]))
-    assert label.tolist() == [0, 1, 1, 1, 4, 1, 1]
-    chain = np.arange(999)
-    assert (connected(1000, chain, chain + 1) == 0).all()
-    assert connected(3, np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)).tolist() == [0, 1, 2]
 
 
 def test_a_print_reports_regions_and_their_cost():

@@ -1,6 +1,7 @@
 """Presets, saved settings, settings from the header of a G-code file; files that are none of these."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from dualcolor.core.exports import export_gcode
 from dualcolor.core.files import MOST_JSON_BYTES
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.settings.header_text import read_back, written
 from dualcolor.core.settings.presets import (
     KINDS,
     PRESETS,
@@ -141,6 +143,13 @@ def test_settings_survive_the_header_of_a_print(tmp_path):
     values = read_settings(path)
     assert set(values) == set(CHOSEN.as_dict())
     assert PrintSettings().changed(values) == CHOSEN
+
+
+@pytest.mark.parametrize("text", ["50%25.json", "a;b#c@d(e)", " blank ", "Würfel", "line\nbreak", "%"])
+def test_any_text_survives_a_comment(text):
+    comment = written(text)
+    assert read_back(comment) == text
+    assert re.fullmatch("[ -~]*", comment) and comment == comment.strip() and not set("#@;()") & set(comment)
 
 
 def test_header_ends_at_the_first_command(tmp_path):

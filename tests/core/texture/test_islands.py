@@ -2,7 +2,6 @@
 
 import numpy as np
 import shapely
-from dualcolor.core.mesh.components import components
 from dualcolor.core.texture import labels as labels_module
 from dualcolor.core.texture.islands import uv_areas
 from dualcolor.core.texture.labels import rasterized
@@ -87,20 +86,10 @@ def test_charts_far_out_are_where_they_would_be_near(monkeypatch):
     assert np.array_equal(labeled(far, island, 32, 32)[0], near)
 
 
-def test_components_of_a_star():
-    """Whichever number its middle has."""
-    for middle in (0, 700, 1999):
-        others = np.setdiff1d(np.arange(2000), middle)
-        for order in (others, others[::-1]):
-            root = components(np.stack([order, np.full(1999, middle)], axis=1))
-            assert len(set(root)) == 1
-
-
-def test_components_of_a_long_shuffled_chain():
-    rng = np.random.default_rng(10)
-    names = rng.permutation(30000)
-    links = np.stack([names[:-1], names[1:]], axis=1)
-    cut = np.arange(len(links)) % 100 != 99
-    root = components(rng.permutation(links[cut]))
-    assert len(np.unique(root)) == 300
-    assert components(np.zeros((0, 3), np.int64)).shape == (0,)
+def test_a_face_without_an_area_at_the_border_of_a_chart_changes_nothing():
+    corners = np.array([[0.1, 0.1], [0.9, 0.1], [0.9, 0.7], [0.1, 0.7], [0.9, 0.4]])
+    place = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]])
+    alone, _ = labeled(corners[place[:2]], np.zeros(2, np.int64), 32, 32, place[:2])
+    beside, _ = labeled(corners[place], np.zeros(3, np.int64), 32, 32, place)
+    assert np.array_equal(alone, beside)
+    assert (alone == 0).sum() == 26 * 19

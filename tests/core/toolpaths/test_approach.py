@@ -9,10 +9,11 @@ from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import Layers
-from dualcolor.core.toolpaths.approach import TOWER_WIPE_MM
+from dualcolor.core.toolpaths.approach import TOWER_WIPE_MM, approaches
 from dualcolor.core.toolpaths.assemble import assemble
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.core.toolpaths.order import OrderedPaths
+from dualcolor.core.toolpaths.travels import Travels
 from dualcolor.tests.printing import gcode_text
 from dualcolor.tests.solids import cylinder, joined
 
@@ -164,3 +165,17 @@ def test_nothing_drips_on_the_way_from_the_priming_line_to_the_print(length):
     assert counters[-1] == pytest.approx(max(counters) - length)
     first_strand = next(line for line in told[begin:] if " A" in line and " X" in line)
     assert float(first_strand.split(" A")[1].split()[0]) > max(counters)
+
+
+def test_after_a_tool_change_the_nozzle_goes_straight():
+    """In the air it need not go around anything, so the places on the way are those of the other travels alone."""
+    lines = [[[0, 0], [10, 0]], [[30, 0], [30, 5]], [[60, 0], [60, 5]]]
+    points, start = np.concatenate(lines).astype(float), np.array([0, 2, 4, 6])
+    same = np.zeros(3, dtype=np.int64)
+    paths = OrderedPaths(points, np.full(6, 0.4), start, same, np.full(3, int(Feature.INNER_WALL)), same)
+    via = np.array([[1.0, 1], [2, 2], [3, 3]])
+    ways = Travels(via, np.array([0, 0, 1, 3]), np.zeros(3, dtype=bool))
+    length = np.array([10.0, 0, 5, 0, 5, 0])
+    for tools, expected in (([0, 0, 0], via), ([0, 1, 1], via[1:]), ([0, 0, 1], via[:1])):
+        found = approaches(paths, np.array(tools), length, ways, PrintSettings())
+        assert found.places.tolist() == expected.tolist() and found.via.sum() == len(expected)
