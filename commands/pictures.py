@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..core.errors import OutputError
 from ..core.pictures.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
-from .arguments import angle, path_ending_in
+from .arguments import angle, path_ending_in, whole_number
 
 _NAMES = (*VIEWS, TURNTABLE)
 PREFIX = "render "
@@ -32,6 +32,8 @@ def add_pictures(parser: argparse._ActionsContainer, named: bool = True) -> None
                         "in the pictures: 0 is -Y, 90 is +X, 180 is +Y (default: 0)")  # fmt: skip
     parser.add_argument("--distance", choices=tuple(DISTANCES_MM), default="", help="leave out what an eye does not "
                         "see any more: in the hand (300 mm), on the desk (700 mm), on a shelf (2 m)")  # fmt: skip
+    parser.add_argument("--pixels", type=whole_number(100, 4000), default=900, metavar="N", help="width and height of "
+                        "the pictures (default: 900, a turntable 480 at most)")  # fmt: skip
     parser.add_argument("--whole-plate", action="store_true", help="show supports, tower and skirt in the pictures too")
 
 
@@ -62,4 +64,9 @@ def picture_outputs(args: argparse.Namespace, render: Path | None, sheet: Path |
 
 def picture_options(args: argparse.Namespace) -> PictureOptions:
     """How they are to be taken."""
-    return PictureOptions(azimuth_deg=args.azimuth, distance=args.distance, whole_plate=args.whole_plate)
+    return PictureOptions(
+        azimuth_deg=args.azimuth,
+        distance=args.distance,
+        resolution=(args.pixels, args.pixels),
+        whole_plate=args.whole_plate,
+    )

@@ -13,6 +13,7 @@ from dualcolor.core.errors import OutputError
 from dualcolor.core.files import OutputFiles
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.scene import add_box, fresh
+from PIL import Image
 
 from launcher import ROOT
 
@@ -112,7 +113,7 @@ def test_suggested_orientations_can_be_printed(tmp_path, capfd, height):
         command = ["print", str(wedge), "--up", "z", *FAST, *line.split(": ")[-1].split()]
         assert cli.main(command) == 0
         size = next(text for text in capfd.readouterr().out.splitlines() if text.startswith("wedge: "))
-        assert abs(float(size.split(" × ")[2].split(" mm")[0]) - promised) <= 0.5  # it is told in whole millimetres
+        assert abs(float(size.split(" × ")[2].split(" mm")[0]) - promised) <= 0.5  # it is told in whole millimeters
 
 
 def test_models_are_turned_and_scaled(box, tmp_path, capfd):
@@ -241,6 +242,14 @@ def test_it_says_which_filament_goes_where(box, tmp_path, capfd, options, places
     assert f"print time {time:.0f} min after about {heating:.0f} min of heating" in lines
 
 
+def test_pictures_are_as_large_as_wanted(box, tmp_path):
+    files = [tmp_path / name for name in ("print.png", "read.png")]
+    gcode = ["--gcode", str(tmp_path / "box.gcode")]
+    assert cli.main(["print", str(box), *FAST, *gcode, "--render", str(files[0]), "--pixels", "104"]) == 0
+    assert cli.main(["render", gcode[1], "--render", str(files[1]), "--pixels", "112"]) == 0
+    assert [Image.open(file).size for file in files] == [(104, 104), (112, 112)]
+
+
 def test_without_an_output_it_says_so(box, capfd):
     assert cli.main(["print", str(box), *FAST]) == 0
     assert "nothing is written: name the files" in capfd.readouterr().out
@@ -283,6 +292,7 @@ def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypa
         ["plate", "x.png", "--samples", "1000000000"],
         ["analyse", "x.obj", "--pixels", "5"],
         ["print", "x.obj", "--rotate-x", "inf"],
+        ["print", "x.obj", "--render", "x.png", "--pixels", "5000"],
         ["print", "x.obj", "--scale", "2", "--height-mm", "20"],
     ],
 )
