@@ -8,7 +8,7 @@ import shapely
 from ..fill.walls import offset, simplified
 from ..model import Shapes
 from ..slicing.regions import gathered
-from .grid_overlay import GRID_MM, SIMPLIFY_MM, areas, difference, intersection, nothing
+from .grid_overlay import SIMPLIFY_MM, difference, intersection, nothing
 from .overhangs import Contacts
 
 # Gaps and bays narrower than twice this, mm, are filled.
@@ -46,8 +46,9 @@ def columns(needed: Contacts, taken: Shapes) -> Shapes:
 def _with(parts: Shapes, added: Shapes) -> Shapes:
     """(P,) polygons, those that meet others (A,) united with them, without narrow gaps and bays."""
     near = shapely.dwithin(parts[:, None], added, _HALF_GAP_MM).any(axis=1)
-    whole = shapely.union_all(np.append(parts[near], added), grid_size=GRID_MM)
-    smooth = offset(simplified(offset(areas(whole), _HALF_GAP_MM), SIMPLIFY_MM), -_HALF_GAP_MM)
+    # What overlaps is one as soon as it is grown.
+    whole = shapely.multipolygons(shapely.get_parts(np.append(parts[near], added)))
+    smooth = offset(simplified(offset(np.array([whole]), _HALF_GAP_MM), SIMPLIFY_MM), -_HALF_GAP_MM)
     return np.concatenate([parts[~near], _sizeable(smooth)])
 
 

@@ -13,6 +13,7 @@ from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..slicing.regions import gathered
 from .grid_overlay import areas, nothing, once, thickness
 
 SUPPORT_ISLAND = -3
@@ -60,10 +61,10 @@ def interface(found: Shapes, contact: Shapes, settings: PrintSettings) -> tuple[
     close, below = nothing(count), found.copy()
 
     def chunk(parts: Shapes, carried: Shapes) -> tuple[Shapes, Shapes]:
+        pieces, owner = shapely.get_parts(carried.ravel(), return_index=True)
+        whole = gathered(pieces, owner // layers, len(parts))
         # Grown by a spacing, so that narrow stripes under a slope join and thickened columns are covered.
-        under = shapely.buffer(
-            shapely.union_all(carried, axis=1), settings.support_interface_spacing, quad_segs=_ARC_SEGMENTS
-        )
+        under = shapely.buffer(whole, settings.support_interface_spacing, quad_segs=_ARC_SEGMENTS)
         return areas(shapely.intersection(parts, under)), areas(shapely.difference(parts, under))
 
     close[some], below[some] = geos_in_threads(chunk, found[some], near[some])
