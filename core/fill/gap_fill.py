@@ -28,6 +28,7 @@ _SHORTEST, _LONGEST = 1.0, 5.0  # line widths, of a line in a gap and of its pie
 _NARROWEST, _WIDEST = 0.5, 1.5  # line widths
 _WIDEST_FILL = 1.05  # line widths, on average: what is wider is filled by lines across
 _LEAST_AROUND = 8.0  # line widths around what is filled by one line: smaller places would get none
+_MOST_MORE = 1.15  # times what lines hold by their width: the rest is branches that got none
 
 
 def margins(settings: PrintSettings) -> tuple[float, ...]:
@@ -180,9 +181,9 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
     going_on = np.flatnonzero(line[1:] == line[:-1])
     after[going_on] = points[going_on + 1]
     half = shapely.distance(shapely.points((points + after) / 2), edges[part[line]])
-    across = 2 * half + (kept_off[part] * width)[line]
-    wide = np.clip(across, _NARROWEST * width[line], _WIDEST * width[line])
-    points, wide, line = _to_the_ends(points, wide, line, parts, part)
+    points, across, line = _to_the_ends(points, 2 * half, line, parts, part)
+    across *= _beside_the_middle(points, across, line, parts, part)[part[line]]
+    across += (kept_off[part] * width)[line]
     return Paths(
         points=points,
         start=starts(np.bincount(line, minlength=len(lines))),
@@ -190,8 +191,27 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
         feature=np.full(len(lines), int(Feature.SKIN), dtype=np.int64),
         island=island[part],
         closed=np.zeros(len(lines), dtype=bool),
-        width=wide,
+        width=np.clip(across, _NARROWEST * width[line], _WIDEST * width[line]),
     )
+
+
+def _beside_the_middle(
+    points: FloatArray, across: FloatArray, line: IntArray, gaps: Shapes, gap: IntArray
+) -> FloatArray:
+    """(P,) how many times as much as its lines a gap holds: those are simplified, and as wide as the nearer side asks.
+
+    Args:
+        points: (N, 2) mm.
+        across: (N,) mm, width of the line that leaves each point.
+        line: (N,) the line of each point.
+        gaps: (P,) Polygon.
+        gap: (L,) the gap of each line.
+    """
+    way = np.zeros(len(points))
+    way[:-1] = np.hypot(*np.diff(points, axis=0).T)
+    way[:-1][line[1:] != line[:-1]] = 0.0
+    laid = np.bincount(gap[line], way * across, len(gaps))
+    return np.asarray(np.clip(shapely.area(gaps) / np.maximum(laid, _SMALLEST_MM2), 1.0, _MOST_MORE))
 
 
 def _to_the_ends(
