@@ -90,7 +90,8 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"{PROGRAM} {_version()}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in COMMANDS:
-        one = commands.add_parser(command.NAME, help=command.HELP)
+        sentence = f"{command.HELP[0].upper()}{command.HELP[1:]}."
+        one = commands.add_parser(command.NAME, help=command.HELP, description=sentence)
         command.add_arguments(one)
         one.set_defaults(command=command)
     return parser

@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         "(default: all meshes of an imported file as one, the active mesh of a .blend)")  # fmt: skip
     parser.add_argument("--arrange", action="store_true", help="put several objects side by side; else they keep their "
                         "places")  # fmt: skip
+    parser.epilog = "Example: dualcolor print cow.obj --height-mm 60 --set support_enable=true --x3g cow.x3g"
     add_stand(parser)
     for mark, what in (("enforcer", "there are supports"), ("blocker", "there are none")):
         parser.add_argument(f"--support-{mark}", action="append", default=[], metavar="FILE", help="model file, or "

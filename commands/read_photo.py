@@ -25,8 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--black", type=float, metavar="R", help="reflectance of the printed black patches, 0 to 1")
     parser.add_argument("--white", type=float, metavar="R", help="reflectance of the printed white patches, 0 to 1 "
                         "(default: both as simulated)")  # fmt: skip
-    parser.add_argument("--simulated", type=Path, metavar="F.json", help="a table made by dualcolor measure with the "
-                        "tile's settings, for slopes (default: the one that comes with the program)")  # fmt: skip
+    parser.add_argument("--simulated", type=Path, metavar="F.json", help="a table made by dualcolor build-table for "
+                        "the tile's settings, for slopes (default: the one that comes with the program)")  # fmt: skip
     add_settings(parser)
 
 

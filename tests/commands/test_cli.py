@@ -301,6 +301,13 @@ def test_wrong_usage_is_status_2(arguments, capfd):
     assert "usage:" in capfd.readouterr().err
 
 
+@pytest.mark.parametrize("command", cli.COMMANDS)
+def test_every_command_explains_itself(command, capfd):
+    assert cli.main([command.NAME, "--help"]) == 0
+    shown = " ".join(capfd.readouterr().out.split())
+    assert f"{command.HELP[1:20]}" in shown and "usage: dualcolor " + command.NAME in shown
+
+
 def test_bugs_keep_their_traceback(box, monkeypatch):
     monkeypatch.setattr("dualcolor.core.pipeline.generate", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
