@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.contours.along_loops import filtered, gaussian
+from dualcolor.core.contours.along_loops import dot, filtered, gaussian, steps
 from dualcolor.core.contours.grid import PointGrid, nearest
+from dualcolor.core.contours.inset import inset
 from dualcolor.tests.pattern_stages import lines_of
 from dualcolor.tests.solids import cylinder, joined, picture
 from hypothesis import given
@@ -70,3 +71,15 @@ def test_grid_finds_the_nearest_point_of_the_layer(seed):
             assert filled[q]
             assert away[where[q]] == pytest.approx(distance.min())
         assert (layer[found[group[q] : group[q + 1]]] == wanted[q]).all()
+
+
+def test_an_inset_deeper_than_a_bend_is_reduced_until_it_does_not_fold():
+    turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    normal = np.stack([np.cos(turn), np.sin(turn)])
+    start, kernel = np.array([0, 60]), gaussian(2.0)
+    for radius, folds in ((0.4, False), (0.1, True)):
+        points = radius * normal
+        moved, step, share = inset(points, normal, np.full(60, 0.2), start, kernel)
+        assert (dot(step, steps(points, start)) > 0).all()
+        assert (np.hypot(*moved) > 0).all() and np.isclose(np.hypot(*moved), 0.2).all() != folds
+        assert np.all(np.asarray(share) == (0.0 if folds else 1.0))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from dualcolor.core.model import TriangleMesh
+from dualcolor.core.texture.lanczos import reduced
 from dualcolor.core.texture.lookup import tone_at
 from dualcolor.core.texture.pyramid import build_pyramids
 from dualcolor.tests.core.texture.textured_plates import image, plates
@@ -48,3 +49,14 @@ def test_lanczos_does_not_care_how_the_picture_is_turned_on_the_object():
     )
     level = build_pyramids(turned, (image(np.full((200, 400), 0.5)),), 0.5, "lanczos").pictures[0].levels[0]
     assert (level.height, level.width) == (160, 40)
+
+
+def test_texels_are_weighted_by_a_sinc_in_the_window_of_a_wider_one():
+    tone = np.random.default_rng(8).uniform(0.4, 0.6, (60, 60)).astype(np.float32)
+    whole = np.ones_like(tone)
+    paint, alpha = reduced(tone, whole, whole > 0, (0.5, 0.5))
+    away = (np.arange(60) + 0.5 - 2 * (np.arange(30)[:, None] + 0.5)) / 2  # in texels of the result
+    weight = np.where(np.abs(away) < 3, np.sinc(away) * np.sinc(away / 3), 0.0)
+    weight /= weight.sum(axis=1, keepdims=True)
+    assert paint == pytest.approx(weight @ tone @ weight.T, abs=1e-5)
+    assert alpha == pytest.approx(1.0, abs=1e-6)
