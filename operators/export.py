@@ -5,17 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-from bpy_extras.io_utils import ExportHelper
 
 from ..bridge.properties import set_report
 from ..bridge.strands.preview import source_of
 from ..core.exports import export_gcode, export_x3g
+from .file_choice import FileJob
 from .generate import printed, with_warnings
-from .job import JobOperator, Steps
+from .job import Steps
 from .polls import has_printable
 
 
-class FileExport(JobOperator, ExportHelper):
+class PrintExport(FileJob):
     """What both exports share; the class gives the suffix, the writer and the report's entry."""
 
     kind = ""
@@ -24,12 +24,6 @@ class FileExport(JobOperator, ExportHelper):
     def poll(cls, context: bpy.types.Context) -> bool:
         """An object with a surface is needed."""
         return has_printable(cls, context)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask for the file; the job runs when it is chosen."""
-        if not self.filepath:
-            self.filepath = bpy.path.clean_name(source_of(context.object).name) + self.filename_ext
-        return ExportHelper.invoke(self, context, event)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """Print the chosen objects unless that is done, and write the file."""
@@ -46,7 +40,7 @@ class FileExport(JobOperator, ExportHelper):
 WRITERS = {"gcode": export_gcode, "x3g": export_x3g}
 
 
-class DUALCOLOR_OT_export_gcode(FileExport, bpy.types.Operator):
+class DUALCOLOR_OT_export_gcode(PrintExport, bpy.types.Operator):
     """Write the toolpath of the object as it is now; it is generated again if anything has changed"""
 
     bl_idname = "dualcolor.export_gcode"
@@ -57,7 +51,7 @@ class DUALCOLOR_OT_export_gcode(FileExport, bpy.types.Operator):
     filter_glob: bpy.props.StringProperty(default="*.gcode", options={"HIDDEN"})
 
 
-class DUALCOLOR_OT_export_x3g(FileExport, bpy.types.Operator):
+class DUALCOLOR_OT_export_x3g(PrintExport, bpy.types.Operator):
     """Write the X3G file that the printer reads from its card; it is generated again if anything has changed"""
 
     bl_idname = "dualcolor.export_x3g"

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-from bpy_extras.io_utils import ExportHelper
 
 from ..bridge.input.mesh_input import WITH_SURFACE, surface_model
 from ..bridge.pictures.render import RenderStoppedError
@@ -17,6 +16,7 @@ from ..core.errors import PrintError
 from ..core.files import OutputFiles
 from ..core.pictures.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptions, view_files
 from ..core.strands.mesh_files import write_mesh
+from .file_choice import FileChoice, FileJob
 from .job import JobOperator, Steps
 from .viewing import show_file
 
@@ -42,14 +42,8 @@ class _ForStrands:
             return False
         return True
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Ask for the file."""
-        if not self.filepath:
-            self.filepath = bpy.path.clean_name(source_of(context.object).name) + self.filename_ext
-        return ExportHelper.invoke(self, context, event)
 
-
-class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy.types.Operator):
+class DUALCOLOR_OT_render_prediction(_ForStrands, FileJob, bpy.types.Operator):
     """Render the strands in a small studio with Cycles, which takes about a minute, and show the picture"""
 
     _written: tuple[Path, ...] = ()
@@ -89,17 +83,6 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy
             layout.prop(self, name)
         layout.column(align=True).prop(self, "views")
 
-    @property
-    def _in_window(self) -> bool:
-        """Whether it was started by the user rather than by a script."""
-        return self.options.is_invoke and not bpy.app.background
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Render: in the background if the user started it; a script waits for the files."""
-        if self._in_window:
-            return JobOperator.invoke(self, context, None)
-        return JobOperator.execute(self, context)
-
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Wait for the renderer, then show the last picture; Esc is for the renderer."""
         if event.type == "ESC" and bpy.app.is_job_running("RENDER"):
@@ -112,11 +95,6 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy
         if outcome == {"FINISHED"}:
             show_file(context, self._written[-1])
         return outcome
-
-    def cancel(self, context: bpy.types.Context) -> None:
-        """Stop; Blender calls this too when its file browser is left, before there is a job."""
-        if hasattr(self, "_job"):
-            JobOperator.cancel(self, context)
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """Take the pictures and write all or none.
@@ -152,7 +130,7 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, JobOperator, ExportHelper, bpy
         return f"Saved {', '.join(written.name for written in wanted)}"
 
 
-class DUALCOLOR_OT_export_strands(_ForStrands, ExportHelper, bpy.types.Operator):
+class DUALCOLOR_OT_export_strands(_ForStrands, FileChoice, bpy.types.Operator):
     """Save the strands as a mesh of closed tubes, in mm"""
 
     bl_idname = "dualcolor.export_strands"

@@ -149,6 +149,9 @@ def test_from_the_package_to_a_painted_print(user, package, shot, tmp_path):
     user.until("not bpy.context.object.dualcolor.show_print")
     x, y = user.view()
     assert painted(user, [(x + step, y + 0.2 * step) for step in range(-90, 90, 8)]) > 100
+    user.find("dualcolor.soft_proof")  # the panel Paint is seen
+    user.move(x, y - 100)
+    time.sleep(1.0)
     shot("paint")
 
     user.press("dualcolor.soft_proof")

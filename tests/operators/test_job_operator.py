@@ -7,6 +7,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from dualcolor.core.errors import PrintError  # noqa: E402
+from dualcolor.operators.file_choice import FileJob, proposed_path  # noqa: E402
 from dualcolor.operators.generate import DUALCOLOR_OT_generate  # noqa: E402
 from dualcolor.operators.job import JobOperator, stop_job  # noqa: E402
 
@@ -120,3 +121,28 @@ def test_a_failed_job_frees_the_window_and_a_bug_keeps_its_traceback(problem):
 
 def test_generating_is_one_step_of_undo():
     assert DUALCOLOR_OT_generate.bl_options == {"UNDO"}
+
+
+def test_a_job_that_writes_a_file_runs_beside_the_work_and_ends_by_esc():
+    class Exporting(Pretended, FileJob):
+        _in_window = True
+
+    assert Exporting.execute is FileJob.execute
+    job, window = Exporting(), Window()
+    job.cancel(window)  # the file browser is left
+    assert job.execute(window) == {"RUNNING_MODAL"} and JobOperator.running.job is job
+    assert job.modal(window, SimpleNamespace(type="TIMER")) == {"RUNNING_MODAL"}
+    assert job.modal(window, SimpleNamespace(type="ESC")) == {"CANCELLED"}
+    assert job.written == [] and JobOperator.running is None and window.timers == 0
+
+
+@pytest.mark.parametrize(
+    ("former", "same", "proposed"),
+    [
+        ("", True, "Cow_1.gcode"),
+        ("/home/me/prints/first try.gcode", True, "/home/me/prints/first try.gcode"),
+        ("/home/me/prints/pig.gcode", False, "/home/me/prints/Cow_1.gcode"),
+    ],
+)
+def test_a_file_is_not_proposed_for_another_object(former, same, proposed):
+    assert proposed_path(former, "Cow/1", ".gcode", same) == proposed
