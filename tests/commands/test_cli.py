@@ -1,4 +1,4 @@
-"""The command line: exit statuses, one-line errors, and nothing written unless all is well."""
+"""The command line: what is written, what is said, exit statuses."""
 
 import json
 import os
@@ -9,45 +9,11 @@ import bpy
 import numpy as np
 import pytest
 from dualcolor import cli
-from dualcolor.core.errors import OutputError
-from dualcolor.core.files import OutputFiles
+from dualcolor.tests.commands.models import FAST
 from dualcolor.tests.gpx import convert
-from dualcolor.tests.scene import add_box, fresh
 from PIL import Image
 
 from launcher import ROOT
-
-OPEN_BOX = "v 0 0 0\nv 20 0 0\nv 20 0 20\nv 0 0 20\nv 0 20 0\nv 20 20 0\nv 20 20 20\nv 0 20 20\n"
-OPEN_BOX += "f 5 6 7 8\nf 1 4 3 2\nf 2 3 7 6\nf 3 4 8 7\nf 1 5 8 4\n"
-SIDE = "f 1 2 6 5\n"
-FAST = ["--set", "layer_height=0.5", "--set", "first_layer_height=0.5"]
-
-
-@pytest.fixture
-def box(tmp_path):
-    """A cube of 20 mm without UVs, y up."""
-    path = tmp_path / "box.obj"
-    path.write_text(OPEN_BOX + SIDE)
-    return path
-
-
-@pytest.fixture
-def refused(tmp_path, capfd):
-    """Run a command that has to fail by the user's fault; returns the one line it says."""
-
-    def run(*arguments):
-        before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-        capfd.readouterr()
-        status = cli.main([str(argument) for argument in arguments])
-        out, err = capfd.readouterr()
-        after = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-        assert status == 1 and out == ""
-        lines = err.splitlines()
-        assert len(lines) == 1 and lines[0].startswith("error: ") and "Traceback" not in err
-        assert after == before
-        return lines[0]
-
-    return run
 
 
 def test_a_print_writes_all_that_was_asked_for(box, tmp_path, capfd):
@@ -141,87 +107,6 @@ def test_settings_file_is_read_and_single_settings_win(box, tmp_path, capfd):
     assert (settings["layer_height"], settings["first_layer_height"], settings["perimeters"]) == (0.5, 0.5, 2)
 
 
-def test_bad_models_are_refused(tmp_path, refused):
-    model, gcode = tmp_path / "model.obj", tmp_path / "out.gcode"
-    assert "there is no file" in refused("print", model, "--gcode", gcode)
-    model.write_text("# nothing")
-    assert "there is no mesh" in refused("print", model, "--gcode", gcode)
-    model.write_text(OPEN_BOX)
-    assert "open" in refused("print", model, "--gcode", gcode)
-    model.write_text((OPEN_BOX + SIDE).replace("20", "300"))
-    assert "larger than" in refused("print", model, "--gcode", gcode)
-
-
-def test_coordinates_that_are_no_numbers_are_refused(tmp_path, refused):
-    fresh()
-    add_box((20, 20, 20)).data.vertices[3].co.y = float("nan")
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "box.blend"))
-    assert "not finite" in refused("print", tmp_path / "box.blend", "--gcode", tmp_path / "out.gcode")
-    assert "finite" in refused("print", tmp_path / "box.blend", "--height-mm", 10)
-
-
-def test_bad_pictures_are_refused(box, tmp_path, refused):
-    picture = tmp_path / "picture.png"
-    assert "cannot be read" in refused("print", box, "--texture", picture)
-    picture.write_text("no picture")
-    assert "not an image" in refused("print", box, "--texture", picture)
-    image = bpy.data.images.new("white", 8, 8)
-    image.filepath_raw, image.file_format = str(picture), "PNG"
-    image.save()
-    assert "box has no UV map" in refused("print", box, "--texture", picture, "--report", tmp_path / "report.json")
-
-
-def test_bad_settings_are_refused(box, tmp_path, refused):
-    settings = tmp_path / "settings.json"
-    assert "no setting named speed" in refused("print", box, "--set", "speed=1")
-    assert "layer_height = 'thin' is not a number" in refused("print", box, "--set", "layer_height=thin")
-    assert "outside" in refused("print", box, "--set", "layer_height=3")
-    assert "cannot be read" in refused("print", box, "--settings", settings)
-    settings.write_text("{")
-    assert "is not JSON" in refused("print", box, "--settings", settings)
-    settings.write_text("[1]")
-    assert "holds no settings" in refused("print", box, "--settings", settings)
-
-
-def test_unwritable_outputs_are_refused_before_the_work(box, tmp_path, refused, monkeypatch):
-    monkeypatch.setattr("dualcolor.core.pipeline.generate", None)  # must not get that far
-    report = tmp_path / "report.json"
-    assert "there is no folder" in refused("print", box, "--report", report, "--gcode", tmp_path / "no" / "x.gcode")
-    assert "it is a folder" in refused("print", box, "--report", report, "--gcode", tmp_path)
-    assert "two outputs" in refused("print", box, "--report", report, "--gcode", report)
-    assert "cannot be made: a file has that name" in refused("demo", "--out", box)
-    assert "take, but not of what" in refused("analyse", box, "--views", "front")
-
-
-@pytest.mark.parametrize("kind", ["--gcode", "--report", "--save-settings", "--mesh"])
-def test_no_output_takes_the_place_of_a_file_that_is_read(box, tmp_path, refused, kind):
-    assert "box.obj is read by this job and would be lost" in refused("print", box, *FAST, kind, box)
-    link = tmp_path / "link.obj"
-    link.hardlink_to(box)
-    assert "would be lost" in refused("print", box, *FAST, kind, link)
-    settings = tmp_path / "settings.json"
-    settings.write_text("{}")
-    assert "would be lost" in refused("print", box, "--settings", settings, "--report", settings)
-
-
-def test_a_model_keeps_its_pictures_and_a_print_its_tone_table(box, tmp_path, refused):
-    picture = bpy.data.images.new("spots", 4, 4)
-    picture.filepath_raw, picture.file_format = str(tmp_path / "spots.png"), "PNG"
-    picture.save()
-    (tmp_path / "box.mtl").write_text("newmtl spots\nmap_Kd spots.png\n")
-    box.write_text("mtllib box.mtl\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n" + OPEN_BOX.split("f ")[0] + "usemtl spots\n")
-    with box.open("a") as file:
-        for line in (OPEN_BOX + SIDE).splitlines():
-            if line.startswith("f"):
-                corners = " ".join(f"{corner}/{at}" for at, corner in enumerate(line.split()[1:], start=1))
-                file.write(f"f {corners}\n")
-    assert "spots.png is read by this job" in refused("print", box, *FAST, "--render", tmp_path / "spots.png")
-    table = tmp_path / "table.json"
-    table.write_bytes((ROOT / "presets/calibration/offset/set_back_fine.json").read_bytes())
-    own = ["--set", "calibration=file", "--set", f"calibration_file={table}"]
-    assert "table.json is read by this job" in refused("print", box, *FAST, *own, "--report", table)
-
-
 @pytest.mark.parametrize(
     ("options", "places"),
     [
@@ -262,18 +147,6 @@ def test_the_version_is_that_of_the_extension(capfd):
     assert f'version = "{capfd.readouterr().out.split()[-1]}"' in (ROOT / "blender_manifest.toml").read_text()
 
 
-def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypatch):
-    kept = tmp_path / "box.gcode"
-    kept.write_text("former")
-
-    def full(*_):
-        raise OutputError("the disk is full")
-
-    monkeypatch.setattr("dualcolor.core.exports.dump", full)
-    command = ["print", box, *FAST, "--gcode", kept, "--dump", tmp_path / "box.npz"]
-    assert refused(*command) == "error: the disk is full"
-
-
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -312,30 +185,6 @@ def test_bugs_keep_their_traceback(box, monkeypatch):
     monkeypatch.setattr("dualcolor.core.pipeline.generate", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         cli.main(["print", str(box)])
-
-
-def test_devices_are_written_to_not_replaced(tmp_path):
-    if os.name != "posix":
-        pytest.skip("no /dev/null here")
-    null = type(tmp_path)("/dev/null")
-    with OutputFiles([null]) as files:
-        files.staged(null).write_text("gone")
-    assert null.is_char_device()
-
-
-def test_files_appear_together_or_not_at_all(tmp_path):
-    first, second = tmp_path / "a.txt", tmp_path / "b.txt"
-    first.write_text("former")
-    with pytest.raises(ZeroDivisionError), OutputFiles([first, second]) as files:
-        files.staged(first).write_text("new")
-        files.staged(second).write_text("new")
-        raise ZeroDivisionError
-    assert first.read_text() == "former" and [path.name for path in tmp_path.iterdir()] == ["a.txt"]
-    with OutputFiles([first, second]) as files:
-        files.staged(first).write_text("new")
-        files.staged(second).write_text("new")
-        assert first.read_text() == "former"
-    assert first.read_text() == second.read_text() == "new" and len(list(tmp_path.iterdir())) == 2
 
 
 def test_the_launcher_runs_from_anywhere(box, tmp_path):

@@ -1,10 +1,10 @@
-"""Files are written whole or not at all."""
+"""Files are written whole or not at all, one by one or several together."""
 
 import os
 
 import pytest
 from dualcolor.core.errors import OutputError
-from dualcolor.core.files import write_file
+from dualcolor.core.files import OutputFiles, write_file
 
 
 def test_new_and_replaced(tmp_path):
@@ -75,3 +75,27 @@ def test_no_permission(tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(OutputError, match="no permission"):
         write_file(tmp_path / "a.gcode", b"")
+
+
+def test_devices_are_written_to_not_replaced(tmp_path):
+    if os.name != "posix":
+        pytest.skip("no /dev/null here")
+    null = type(tmp_path)("/dev/null")
+    with OutputFiles([null]) as files:
+        files.staged(null).write_text("gone")
+    assert null.is_char_device()
+
+
+def test_files_appear_together_or_not_at_all(tmp_path):
+    first, second = tmp_path / "a.txt", tmp_path / "b.txt"
+    first.write_text("former")
+    with pytest.raises(ZeroDivisionError), OutputFiles([first, second]) as files:
+        files.staged(first).write_text("new")
+        files.staged(second).write_text("new")
+        raise ZeroDivisionError
+    assert first.read_text() == "former" and [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+    with OutputFiles([first, second]) as files:
+        files.staged(first).write_text("new")
+        files.staged(second).write_text("new")
+        assert first.read_text() == "former"
+    assert first.read_text() == second.read_text() == "new" and len(list(tmp_path.iterdir())) == 2
