@@ -77,7 +77,7 @@ def _keep_off(gaps: Shapes, straight: Shapes, width_mm: FloatArray) -> None:
 
 def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margin: float) -> Shapes:
     found = np.full(len(outer), shapely.Polygon(), dtype=object)
-    rows = np.flatnonzero(_strays(outer, inner, step, width_mm) & _lose_length(outer, inner, width_mm))
+    rows = np.flatnonzero(_strays(inner, step, width_mm, _lose_length(outer, inner, width_mm)))
     width = width_mm[rows]
     reach = (0.5 - margin) * width
     # Strands end round, so what a wall takes at a sharp corner is round too.
@@ -123,14 +123,16 @@ def narrow_fill(fill: Shapes, width_mm: FloatArray, settings: PrintSettings) -> 
     return found, left
 
 
-def _strays(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray) -> BoolArray:
-    """(I,) bool, where a place of the outer wall may lie too far from the inner one.
+def _strays(inner: Shapes, step: Moved, width_mm: FloatArray, some: BoolArray) -> BoolArray:
+    """(I,) bool, where a place of the outer wall may lie too far from the inner one, among `some` (I,).
 
     Where every edge of the outline could be moved, only the corners of edges that were dropped need to be looked at.
     Outlines that GEOS had to offset nearly always have such a place.
     """
-    far = ~shapely.dwithin(shapely.points(step.left_out), inner[step.owner], _NEAR * width_mm[step.owner])
-    return np.asarray(~step.sound | (np.bincount(step.owner, far, len(outer)) > 0))
+    asked = (some & step.sound)[step.owner]
+    corners, owner = step.left_out[asked], step.owner[asked]
+    far = ~shapely.dwithin(shapely.points(corners), inner[owner], _NEAR * width_mm[owner])
+    return np.asarray(some & (~step.sound | (np.bincount(owner, far, len(inner)) > 0)))
 
 
 def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArray:
