@@ -7,6 +7,7 @@ import os
 import sys
 import tomllib
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Protocol
 
@@ -15,6 +16,7 @@ from .commands import print as print_command
 from .commands.terminal import file_size
 from .core.errors import PrintError
 from .core.files import OutputFiles, ended_by_signals, keep_inputs
+from .core.settings import PrintSettings
 
 PROGRAM = "dualcolor"
 DONE, USER_ERROR, INTERRUPTED = 0, 1, 130
@@ -59,7 +61,10 @@ def main(argv: Sequence[str]) -> int:
         argv: the arguments after the program's name.
     """
     try:
-        args = make_parser().parse_args(list(argv))
+        parser = make_parser()
+        args, unknown = parser.parse_known_args(list(argv))
+        if unknown:
+            parser.error(_unknown(unknown))
     except SystemExit as stop:  # argparse has printed its message
         return int(stop.code or DONE)
     command = args.command
@@ -95,6 +100,14 @@ def make_parser() -> argparse.ArgumentParser:
         command.add_arguments(one)
         one.set_defaults(command=command)
     return parser
+
+
+def _unknown(arguments: Sequence[str]) -> str:
+    """What is wrong with arguments that no option takes; slicers have an option for every setting."""
+    name = arguments[0].partition("=")[0].lstrip("-").replace("-", "_")
+    if arguments[0].startswith("--") and name in {setting.name for setting in fields(PrintSettings)}:
+        return f"{arguments[0]} is a setting: give it as --set {name}=VALUE"
+    return f"unrecognized arguments: {' '.join(arguments)}"
 
 
 def _inputs(args: argparse.Namespace) -> list[Path]:

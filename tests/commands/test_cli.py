@@ -174,6 +174,15 @@ def test_wrong_usage_is_status_2(arguments, capfd):
     assert "usage:" in capfd.readouterr().err
 
 
+def test_an_option_that_is_a_setting_is_told_so(capfd):
+    assert cli.main(["print", "x.obj", "--layer-height", "0.2"]) == 2
+    assert "--layer-height is a setting: give it as --set layer_height=VALUE" in capfd.readouterr().err
+    assert cli.main(["print", "x.obj", "--infill_density=20"]) == 2
+    assert "give it as --set infill_density=VALUE" in capfd.readouterr().err
+    assert cli.main(["print", "x.obj", "--nonsense", "0.2"]) == 2
+    assert "unrecognized arguments: --nonsense 0.2" in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("command", cli.COMMANDS)
 def test_every_command_explains_itself(command, capfd):
     assert cli.main([command.NAME, "--help"]) == 0
