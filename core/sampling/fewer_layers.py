@@ -142,13 +142,12 @@ def _with_extremes(
     step = np.abs(image_steps(lines, grid.arc[node], grid.loop[node], place[node], tear))
     some = np.flatnonzero(step > SHRUNK * grid.length[node])
     ratio = grid.length[node[some]] / step[some]
-    ends = (place[node[some]], place[grid.ahead[node[some]]])
-    shortest, longest, many = np.ones(len(few.arc)), np.ones(len(few.arc)), np.full(len(few.arc), 2.0)
-    for end in ends:
-        low = np.searchsorted(few.arc, end, side="right") - 1
-        np.minimum.at(shortest, low, ratio)
-        np.maximum.at(longest, low, ratio)
-        many += np.bincount(low, minlength=len(few.arc))
+    low = np.searchsorted(few.arc, place[node[some]], side="right") - 1
+    shortest, longest = np.ones(len(few.arc)), np.ones(len(few.arc))
+    less = ratio < 1
+    np.minimum.at(shortest, low[less], ratio[less])
+    np.maximum.at(longest, low[~less], ratio[~less])
+    many = 1.0 + np.bincount(low, minlength=len(few.arc))
     shortest = few.length * np.maximum(shortest, LEAST_RATIO)
     longest = few.length * np.minimum(longest, 1 / LEAST_RATIO)
-    return replace(few, shortest=shortest, longest=longest, stands_for=many / 2)
+    return replace(few, shortest=shortest, longest=longest, stands_for=many)

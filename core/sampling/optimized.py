@@ -37,17 +37,17 @@ from .whole_waves import Phase, rounded
 # are so many wavelengths farther apart than they. From this share of the pattern on that is a visible seam, or the
 # second where it is told how much a seam matters, all is done anew with more care.
 LAYERS, STRIDE, TEAR = 4, 12, 2.0
-QUICK_SEARCH, QUICK_FIT = Search(((32, 1, 100), (16, 1, 80), (8, 1, 60)), 50), (5, 1, 8)
-QUICK_STRAY = 0.025
-QUICK_POLISH = Polish((Stage(6, 2, 0.7, 0.2),), 0.15, 2)
-QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0046, 0.003
+QUICK_SEARCH, QUICK_FIT = Search(((32, 2, 100), (8, 2, 80)), 40), (4, 1, 6)
+QUICK_STRAY = 0.03
+QUICK_POLISH = Polish((Stage(8, 2, 0.2, 0.35),), 0.15, 2, 4.0)
+QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0043, 0.0022
 # Then on all layers, on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
 STRAY = 0.02
 SEARCH = Search(((16, 8, 100), (4, 6, 100), (2, 4, 150)), 25)
 # Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
 COARSE_FIT, FINE_FIT = (8, 1, 10), (2, 0, 8)
-POLISH = Polish((Stage(8, 2, 0.7, 0.2), Stage(4, 3, 0.55, 0.05)), 0.2, 3)
+POLISH = Polish((Stage(10, 2, 0.2, 0.35),), 0.15, 2, 2.0)
 # Where more than this share of the pattern is a visible seam, or the second where it is told how much a seam matters, a
 # few more plans are tried, with longer fits; the best of all is polished longer from this share of it on.
 ENOUGH, ENOUGH_WEIGHED, FEW = 0.004, 0.0025, 0.8
@@ -56,7 +56,8 @@ LONGER_POLISH = Polish(
     (Stage(25, 1, 0.8, 0.2), Stage(25, 2, 0.7, 0.12), Stage(25, 3, 0.6, 0.06), Stage(25, 4, 0.53, 0.03)),
     0.1,
     4,
-    2,
+    0.5,
+    exact=True,
 )
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
@@ -97,13 +98,12 @@ class _Planning:
         """Samples by a plan on fewer layers, and the share of the pattern that is a visible seam."""
         lines, settings = self.lines, self.settings
         grid = phase_grid(lines, self.projector, settings, STRIDE)
-        layers = fewer_layers(lines, grid.regular(lines, STRIDE), LAYERS, TEAR * settings.wavelength)
+        layers = fewer_layers(lines, grid, LAYERS, TEAR * settings.wavelength)
         few, here = layers.few, _at_nodes(self.weight, lines, layers.few)
         price = np.minimum(here, here[few.ahead])
         plan = planned(lines, layers.all, few, LAYERS, QUICK_SEARCH, price, settings)
         phase = PhaseFit(few, rounded(lines, few, plan, QUICK_STRAY, settings), here, settings).solved(*QUICK_FIT)
-        phase = layers.everywhere(lines, phase)
-        samples = Samples.on(lines, bounded(lines, *whole_phases(layers.all, phase), settings))
+        samples = Samples.on(lines, bounded(lines, *whole_phases(grid, layers.everywhere(lines, phase)), settings))
         return polished(self.projector, grid, samples, self.weight, QUICK_POLISH, settings)
 
     def _thorough(self) -> Samples:

@@ -17,15 +17,15 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from .sampling import Projector
 
-# Every so many contour points are projected as a rule, at least so many of each contour, and all between them where the
-# surface is torn. One of so many, and no more than every other one, is searched on the whole layer above, the others
-# near where their neighbors' images are.
+# Every so many contour points are projected as a rule, at least so many of each contour. One of so many points, and no
+# more than every other one of these, is searched on the whole layer above, the others near where their neighbors' images
+# are.
 STATION_STRIDE, LEAST_NODES = 3, 8
 SEARCHED = 24
 # Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
-# Where neighbors have no images at all, only every so many points between them are projected.
-RARE = 4
+# So many times as many points are projected between torn neighbors.
+FINER = 4
 
 
 @dataclass(frozen=True)
@@ -82,17 +82,8 @@ class PhaseGrid:
         count = np.diff(self.start)
         local = np.arange(len(self.arc)) - self.start[self.loop]
         every = np.minimum(stride, np.maximum(count // 4, 1))[self.loop]
-        return self._thinned(lines, local % every == 0)
-
-    def regular(self, lines: Contours, stride: int) -> PhaseGrid:
-        """Only the nodes every so many contour points, and those where a tear begins or ends."""
-        station = (np.searchsorted(lines.arc, self.arc) - lines.start[self.loop]) % _strides(lines, stride)[self.loop]
-        return self._thinned(lines, station == 0)
-
-    def _thinned(self, lines: Contours, chosen: BoolArray) -> PhaseGrid:
-        """Only the chosen (K,) nodes, and those where a tear begins or ends."""
         torn = np.isnan(self.step)
-        return self.picked(lines, np.flatnonzero(chosen | (torn != torn[self.behind])))
+        return self.picked(lines, np.flatnonzero((local % every == 0) | (torn != torn[self.behind])))
 
     def picked(self, lines: Contours, node: IntArray) -> PhaseGrid:
         """Some of the nodes, among them the first of each contour; edges with a tear on the way are torn."""
@@ -173,7 +164,7 @@ class PhaseGrid:
 def phase_grid(
     lines: Contours, projector: Projector, settings: PrintSettings, stride: int = STATION_STRIDE
 ) -> PhaseGrid:
-    """A grid with a node every so many contour points, and one at each of them where the surface is torn."""
+    """A grid with a node every so many contour points, and closer ones where the surface is torn."""
     usable = long_enough(lines.length, settings)
     every = _strides(lines, stride)
     many = np.where(usable, -(-np.diff(lines.start) // every), 0)
@@ -184,11 +175,10 @@ def phase_grid(
     above = _followed_images(lines, projector, node, searched, usable, tear)
     torn = np.flatnonzero(np.isnan(image_steps(lines, lines.arc[node], loop, above, tear)))
     ahead = following(starts(many))[torn]
-    gone = np.isnan(above[torn]) & np.isnan(above[ahead])
     length = np.where(ahead > torn, node[ahead], lines.start[loop[torn] + 1]) - node[torn]
-    step = np.where(gone, RARE, 1)
+    step = max(stride // FINER, 1)
     many = (length - 1) // step
-    between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * np.repeat(step, many)
+    between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * step
     node, above = np.append(node, between), np.append(above, _images(lines, projector, between, usable))
     order = np.argsort(node, kind="stable")
     node, above = node[order], above[order]

@@ -21,7 +21,7 @@ ComplexArray = NDArray[np.complex128]
 # How often a nearest place is looked for along the contour, and how many segments far at a time.
 WALKS, FARTHEST = 2, 4.0
 # Images are searched among every so many points of the contours.
-SPARSE = 3
+SPARSE = 6
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ class Projector:
         They are looked for along the contour from the nearest of every few points: where two walls are about equally
         near it may be either.
         """
-        (image,) = in_chunks(self._above, query, layer)
+        (image,) = in_chunks(self._above, query, layer, threads=False)
         return image
 
     def _above(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray]:
@@ -163,7 +163,7 @@ class Projector:
         Returns:
             (Q,) arc and (Q,) distance in mm.
         """
-        arc, distance = in_chunks(self._nearby, query, guess)
+        arc, distance = in_chunks(self._nearby, query, guess, threads=False)
         return arc, distance
 
     def _nearby(self, query: FloatArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -20,7 +20,8 @@ def in_order(local: FloatArray, loop: IntArray) -> tuple[FloatArray, IntArray]:
     onward = loop[1:] > loop[:-1]
     if (onward | ((loop[1:] == loop[:-1]) & (local[1:] >= local[:-1]))).all():
         return local, loop
-    order = np.lexsort((local, loop))
+    # Nearly in order as they are, they are sorted at once by a sort that goes by runs.
+    order = np.argsort(local + loop * (2 * np.abs(local).max()), kind="stable")
     return local[order], loop[order]
 
 
@@ -154,23 +155,24 @@ def pushed(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArra
 
 
 def _spread(local: FloatArray, count: IntArray, length: FloatArray, least: float) -> FloatArray:
-    """The samples of a few contours, all of which have to be moved; they are gone through twice around."""
+    """The samples of a few contours, all of which have to be moved."""
     mean = length / count
-    owner = np.repeat(np.arange(len(count)), 2 * count)
+    owner = np.repeat(np.arange(len(count)), count)
     first = starts(count)[:-1]
-    rank = ranges(np.zeros(len(count), dtype=np.int64), 2 * count)
-    again = rank >= count[owner]
-    index = first[owner] + rank - again * count[owner]
-    turn = again * length[owner]
+    rank = ranges(np.zeros(len(count), dtype=np.int64), count)
     # Contours lie apart, so that no sample is pushed by those of another.
     apart = 8 * float(length.max()) * owner
     for bound, sign in (
         (np.minimum(least * (1 + INSIDE), (least + mean) / 2), 1.0),
         (np.maximum(2 * least * (1 - INSIDE), (2 * least + mean) / 2), -1.0),
     ):
-        usual = rank * bound[owner] - turn
-        place = sign * (local[index] - usual)
-        onward = np.maximum.accumulate(place + apart)[again] - apart[again]
-        back = np.minimum.accumulate((place + apart)[::-1])[::-1][~again] - apart[~again]
-        local = sign * (onward + back) / 2 + (usual[again] + usual[~again]) / 2
+        usual = rank * bound[owner]
+        place = sign * (local - usual) + apart
+        onward = np.maximum.accumulate(place)
+        back = np.minimum.accumulate(place[::-1])[::-1]
+        # What goes on over a contour's beginning has this much more room there.
+        spare = sign * (length - count * bound)
+        onward = np.maximum(onward, (onward[first + count - 1] - spare)[owner])
+        back = np.minimum(back, (back[first] + spare)[owner])
+        local = sign * ((onward + back) / 2 - apart) + usual
     return local

@@ -78,7 +78,10 @@ class WavePlan:
 
 
 class _Curl:
-    """The linear map from waves and slides to births less deaths above each edge, none on torn ones; its transpose."""
+    """The linear map from waves and slides to births less deaths above each edge, and its transpose.
+
+    What it says of torn edges means nothing: no price is put on them.
+    """
 
     def __init__(self, grid: PhaseGrid) -> None:
         self.size = len(grid.arc)
@@ -89,18 +92,17 @@ class _Curl:
         self.whole[cell] = 1.0
 
     def __call__(self, waves: FloatArray, slide: FloatArray) -> FloatArray:
+        """(K,) for waves (K,) and slides (K,)."""
         above = np.bincount(self.owner, self.weight * waves.take(self.edge), self.size).astype(np.float64, copy=False)
         above -= waves
         above -= slide.take(self.ahead)
         above += slide
-        above *= self.whole
         return above
 
-    def transposed(self, dual: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """For births less deaths (K,) that are none on torn edges."""
-        waves = np.bincount(self.edge, self.weight * dual.take(self.owner), self.size).astype(np.float64, copy=False)
-        waves -= dual
-        return waves, dual - dual.take(self.behind)
+    def transposed(self, dual: FloatArray, out: FloatArray) -> None:
+        """`out` (2, K) for births less deaths (K,) that are none on torn edges."""
+        np.subtract(np.bincount(self.edge, self.weight * dual.take(self.owner), self.size), dual, out=out[0])
+        np.subtract(dual, dual.take(self.behind), out=out[1])
 
     def row_sums(self) -> FloatArray:
         """Sums of the magnitudes of each row."""
@@ -193,51 +195,51 @@ def _solved(
 ) -> WavePlan:
     """So many steps of the primal-dual method from a first guess."""
     share = WEIGHTED_SHARE if _uneven(weight) else PRIMAL_SHARE
-    least, most = grid.bounds(settings.wavelength, MARGIN)
     usual = grid.length / (settings.wavelength * np.sqrt(2))
-    most_slide = SLIDE * grid.span
-    waves, slide, level = np.clip(first.waves, least, most), first.slide.copy(), first.level
     curl = _Curl(grid)
     if not len(curl.edge):
-        return WavePlan(usual, slide, np.zeros(len(usual)), level)
-    bound = weight * curl.whole
-    dual_step = 1 / curl.row_sums() / share
-    by_waves, by_slide = curl.column_sums()
+        none = np.zeros(len(usual))
+        return WavePlan(usual, none, none, first.level)
+    # Waves and slides, in two rows; one more row of the map holds the number of all waves, so that the mean spacing
+    # stays what it should be.
     mean = grid.stands_for / grid.stands_for.mean()
-    # One more row holds the number of all waves, so that the mean spacing stays what it should be.
-    waves_step, slide_step = share / (by_waves + mean), share / np.maximum(by_slide, 1)
-    dual, total, uneven = first.price * curl.whole, float(mean @ usual), UNEVEN_COST / usual
-    keep = 1 / (1 + waves_step * uneven)
-    waves_step, slide_keep = waves_step * keep, 1 / (1 + slide_step * SLIDE_COST)
-    slide_step = slide_step * slide_keep
-    value = curl(waves, slide)
+    by_waves, by_slide = curl.column_sums()
+    step = share / np.stack([by_waves + mean, np.maximum(by_slide, 1)])
+    keep = 1 / (1 + step * np.stack([UNEVEN_COST / usual, np.full(len(usual), SLIDE_COST)]))
+    step *= keep
+    dual_step, bound = 1 / curl.row_sums() / share, weight * curl.whole
+    fewest, most = grid.bounds(settings.wavelength, MARGIN)
+    least, most = np.stack([fewest, -SLIDE * grid.span]), np.stack([most, SLIDE * grid.span])
+    level, level_step = first.level, 1 / share / len(usual)
+    goal, many = float(mean @ usual), 0.0
+    old = np.stack([first.waves, first.slide, first.price * curl.whole, usual])
+    old[:2] = np.minimum(np.maximum(old[:2], least), most)
+    old[3], many, new = curl(*old[:2]), float(mean @ old[0]), np.empty_like(old)
+    work = np.empty_like(old)
+    pull, price = work[:2], work[2]
     for number in range(steps):
-        pull_waves, pull_slide = curl.transposed(dual)
-        pull_waves += level * mean - UNEVEN_COST
-        new_waves = keep * waves
-        new_waves -= np.multiply(waves_step, pull_waves, out=pull_waves)
-        np.minimum(np.maximum(new_waves, least, out=new_waves), most, out=new_waves)
-        new_slide = slide_keep * slide
-        new_slide -= np.multiply(slide_step, pull_slide, out=pull_slide)
-        np.minimum(np.maximum(new_slide, -most_slide, out=new_slide), most_slide, out=new_slide)
-        new_value = curl(new_waves, new_slide)
-        new_dual = 2 * new_value
-        new_dual -= value
-        new_dual *= dual_step
-        new_dual += dual
-        np.minimum(np.maximum(new_dual, -bound, out=new_dual), bound, out=new_dual)
-        if number % 20 == 19 and max(_moved(new_waves, waves), _moved(new_dual, dual)) < SETTLED:
+        curl.transposed(old[2], pull)
+        pull[0] += level * mean - UNEVEN_COST
+        pull *= step
+        np.multiply(keep, old[:2], out=new[:2])
+        new[:2] -= pull
+        np.minimum(np.maximum(new[:2], least, out=pull), most, out=new[:2])
+        new[3] = curl(new[0], new[1])
+        np.subtract(new[3], old[3], out=price)
+        price += new[3]
+        price *= dual_step
+        price += old[2]
+        np.minimum(np.maximum(price, -bound, out=price), bound, out=new[2])
+        if number % 20 == 19 and np.abs(new[:3:2] - old[:3:2]).max() < SETTLED:
             break
-        level += OVER_RELAXATION / share * (2 * float(mean @ new_waves) - float(mean @ waves) - total) / len(waves)
-        for old, new in ((waves, new_waves), (slide, new_slide), (dual, new_dual), (value, new_value)):
-            old *= 1 - OVER_RELAXATION
-            old += OVER_RELAXATION * new
-    return WavePlan(new_waves, new_slide, new_dual, level)
+        now = float(mean @ new[0])
+        level += OVER_RELAXATION * level_step * (2 * now - many - goal)
+        many += OVER_RELAXATION * (now - many)
+        np.subtract(new, old, out=work)
+        work *= OVER_RELAXATION
+        old += work
+    return WavePlan(new[0], new[1], new[2], level)
 
 
 def _uneven(weight: FloatArray) -> bool:
     return bool(len(weight)) and float(weight.min()) < float(weight.max())
-
-
-def _moved(new: FloatArray, old: FloatArray) -> float:
-    return float(np.abs(new - old).max())

@@ -27,12 +27,12 @@ from .wave_plan import WavePlan
 # Waves by which the phase may stray from the plan before a wave is added or dropped, from and to; the stretch that is
 # changed ends at this share of it.
 STRAYS, STRETCH = (0.6, 1.5), 0.5
-# The plan is tilted by at most so many waves a contour to steer their sum, which alone adds and drops none. What came
+# The plan is tilted by at most so many waves each way to steer their sum, which alone adds and drops none. What came
 # in excess shall be made up for in one of so many parts of what is left.
-STEERED, HASTE = 0.6, 3.0
+STEERED, HASTE = 0.3, 3.0
 # The phase's difference from the plan is smoothed so often in each layer, and may be mended so often.
-SMOOTHINGS = 4
-MENDINGS = 3
+SMOOTHINGS = 2
+MENDINGS = 2
 
 
 @dataclass(frozen=True)
@@ -76,10 +76,13 @@ def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, stray: float, sett
         settings: the wavelength is used.
     """
     work = _Rounding(grid, plan, stray, settings)
-    cuts = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2)).tolist()
-    for begin, end in pairwise(cuts):
-        if grid.start[begin] < grid.start[end]:
-            work.layer(begin, end)
+    # Where each layer's contours begin, their nodes, those of them that get something from below, and what they get.
+    loops = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2))
+    known = np.searchsorted(work.handed.contour, loops)
+    cuts = np.stack([loops, grid.start[loops], known, work.handed.start[known]], axis=1)
+    cuts = cuts[np.append(True, np.diff(cuts[:, 1]) > 0)] if len(cuts) else cuts
+    for here, there in pairwise(cuts.tolist()):
+        work.layer(*(slice(begin, end) for begin, end in zip(here, there, strict=True)))
     return Phase(work.plain + work.lack, work.turns.astype(np.int64))
 
 
@@ -150,47 +153,52 @@ class _Rounding:
 
     def __init__(self, grid: PhaseGrid, plan: WavePlan, stray: float, settings: PrintSettings) -> None:
         self.grid = grid
-        self.fewest, self.most = feasible_turns(grid, settings)
         self.total = sums(plan.waves, grid.start)
         self.plain = _before(plan.waves) - _before(self.total)[grid.loop]
         self.way = self.plain / np.maximum(self.total, 1e-9)[grid.loop]
-        self.handed = _HandedUp(grid, plan, self.plain, self.total)
-        self.stray = np.clip(stray * self.total, *STRAYS)[self.handed.contour][self.handed.owner]
+        self.handed = handed = _HandedUp(grid, plan, self.plain, self.total)
         self.lack = np.zeros(len(grid.arc))
-        self.turns = np.clip(np.rint(self.total), self.fewest, self.most) * (np.diff(grid.start) > 0)
+        fewest, most = feasible_turns(grid, settings)
+        self.turns = np.clip(np.rint(self.total), fewest, most) * (np.diff(grid.start) > 0)
         self.stands_for = sums(grid.stands_for, grid.start) / np.maximum(np.diff(grid.start), 1)
         self.excess, self.left = 0.0, float(self.stands_for @ self.total)
+        # Of the contours that get something from below, of what they get, and which nodes are theirs.
+        self.planned, self.fewest, self.most = (of[handed.contour] for of in (self.total, fewest, most))
+        self.stray = np.clip(stray * self.planned, *STRAYS)[handed.owner]
+        self.tilted = self.planned[handed.owner] * handed.way
+        self.fed = (np.bincount(handed.contour, minlength=len(self.total)) > 0)[grid.loop]
 
-    def layer(self, begin: int, end: int) -> None:
-        """Fix the phase on the contours from `begin` to the one before `end`, those of one layer."""
+    def layer(self, loops: slice, nodes: slice, known: slice, entries: slice) -> None:
+        """Fix the phase on the contours of one layer, some of which are `known` to get something from below."""
         grid, handed = self.grid, self.handed
-        nodes = slice(grid.start[begin], grid.start[end])
-        known = slice(*np.searchsorted(handed.contour, (begin, end)))
-        if known.start < known.stop:
-            first = handed.start[known.start]
-            value = self._carried(known, slice(first, handed.start[known.stop]))
-        more = self.turns[begin:end] - self.total[begin:end]
-        self.excess += float(self.stands_for[begin:end] @ more)
-        self.left -= float(self.stands_for[begin:end] @ self.total[begin:end])
-        more = more[grid.loop[nodes] - begin]
-        ramp = self.way[nodes] * more
-        self.lack[nodes] = ramp
-        if known.start == known.stop:
+        value = self._carried(known, entries) if known.start < known.stop else None
+        stands_for, planned = self.stands_for[loops], self.total[loops]
+        more = self.turns[loops] - planned
+        self.excess += float(stands_for @ more)
+        self.left -= float(stands_for @ planned)
+        more = more.take(grid.loop[nodes] - loops.start)
+        if value is None:
+            self.lack[nodes] = self.way[nodes] * more
             return
-        before = value.take(handed.before[nodes] - first, mode="clip")
-        after = value.take(handed.after[nodes] - first, mode="clip")
-        even = before + handed.share[nodes] * (after - before) + handed.wrap[nodes] * more - ramp
-        if known.stop - known.start < end - begin:
-            even *= np.isin(grid.loop[nodes], handed.contour[known])
+        ramp = self.way[nodes] * more
+        even = value.take(handed.before[nodes] - entries.start, mode="clip")
+        rise = value.take(handed.after[nodes] - entries.start, mode="clip")
+        rise -= even
+        rise *= handed.share[nodes]
+        even += rise
+        even += handed.wrap[nodes] * more
+        even -= ramp
+        if known.stop - known.start < loops.stop - loops.start:
+            even *= self.fed[nodes]
         ahead, behind = grid.ahead[nodes] - nodes.start, grid.behind[nodes] - nodes.start
         for _ in range(SMOOTHINGS):
             even = 0.5 * even + 0.25 * (even.take(ahead) + even.take(behind))
-        self.lack[nodes] += even
+        self.lack[nodes] = ramp + even
 
     def _carried(self, known: slice, entries: slice) -> FloatArray:
         """Take over the phase from below, less the plan; fixes the number of waves of the `known` contours."""
-        handed, loop = self.handed, self.handed.contour[known]
-        phase = handed.phase[entries] + self.lack[handed.source[entries]]
+        handed, planned = self.handed, self.planned[known]
+        phase = handed.phase[entries] + self.lack.take(handed.source[entries])
         start = handed.start[known.start : known.stop + 1] - entries.start
         first, last = start[:-1], start[1:] - 1
         owner = handed.owner[entries] - known.start
@@ -198,21 +206,21 @@ class _Rounding:
         np.subtract(phase[1:], phase[:-1], out=walk[1:])
         walk[first] = 0.0
         walk -= np.rint(walk)
-        walk = np.cumsum(walk)
+        walk = walk.cumsum()
         mean = np.add.reduceat(walk, first) / (start[1:] - first)
         # The plan's number of waves is met in the end: what came in excess is made up for in the layers to come.
-        tilt = self.total[loop] * (HASTE * self.excess / max(self.left, 1.0))
-        steered = np.clip(tilt, -STEERED, STEERED)[owner] * handed.way[entries]
-        lack = _mended(walk - mean[owner] + steered, start, self.stray[entries]) - steered
-        turns = np.rint(lack[last] - lack[first] + self.total[loop])
-        for this in np.flatnonzero((turns > self.most[loop]) | (turns < self.fewest[loop])):
-            wanted = np.clip(turns[this], self.fewest[loop[this]], self.most[loop[this]])
+        steered = (HASTE * self.excess / max(self.left, 1.0)) * self.tilted[entries]
+        steered = np.minimum(np.maximum(steered, -STEERED), STEERED)
+        lack = _mended(walk - mean.take(owner) + steered, start, self.stray[entries]) - steered
+        turns = np.rint(lack[last] - lack[first] + planned)
+        held = np.minimum(np.maximum(turns, self.fewest[known]), self.most[known])
+        for this in (held != turns).nonzero()[0]:
             part = slice(start[this], start[this + 1])
-            for _ in range(int(abs(wanted - turns[this]))):
-                lack[part] += _step_for(lack[part], np.sign(wanted - turns[this]))
-            turns[this] = wanted
-        self.turns[loop] = turns
-        return np.asarray(lack + (mean - walk[first] + phase[first] - np.rint(phase[first]))[owner])
+            for _ in range(int(abs(held[this] - turns[this]))):
+                lack[part] += _step_for(lack[part], np.sign(held[this] - turns[this]))
+        self.turns[handed.contour[known]] = held
+        base = phase[first]
+        return np.asarray(lack + (mean - walk[first] + base - np.rint(base)).take(owner))
 
 
 def _mended(stray: FloatArray, start: IntArray, most: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ SETTINGS = PrintSettings(pattern="wave", wavelength=1.2)
 def grids(model, layers=4):
     cut = slices(triangulate(model, SETTINGS), SETTINGS)
     lines = contours(cut.outlines, cut.loop_polygon, SETTINGS)
-    grid = phase_grid(lines, Projector(lines, SETTINGS.projection_threshold), SETTINGS, 12).regular(lines, 12)
+    grid = phase_grid(lines, Projector(lines, SETTINGS.projection_threshold), SETTINGS, 12)
     return lines, grid, fewer_layers(lines, grid, layers, 2.4)
 
 
@@ -34,7 +34,7 @@ def test_nodes_between_the_layers_that_are_kept_lead_straight_up_to_them():
     assert (few.span[few.linked] == 4).all()
     # A cone's contours get shorter upwards: the longest that leads to one is that three layers below it.
     first = few.loop[few.start[:-1][np.diff(few.start) > 0]]
-    np.testing.assert_allclose(sums(few.longest, few.start)[first], lines.length[first - 3], rtol=0.01)
+    np.testing.assert_allclose(sums(few.longest, few.start)[first], lines.length[first - 3], rtol=0.015)
     np.testing.assert_allclose(few.shortest, few.length, rtol=0.01)
 
 

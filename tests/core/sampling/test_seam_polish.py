@@ -36,21 +36,22 @@ def test_what_counts_as_seen_grows_as_it_should(doublings):
     np.testing.assert_allclose(sharpness(error, stage), slope, rtol=1e-5, atol=1e-7)
 
 
-@pytest.mark.parametrize("parts", [1, 2])
-def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(vase, parts):
+@pytest.mark.parametrize("apart", [0.5, 1.0, 4.0])
+def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(vase, apart):
     projector = Projector(vase, SETTINGS.projection_threshold)
     samples = optimized_samples(vase, projector, SETTINGS)
     grid, waves = phase_grid(vase, projector, SETTINGS), _Waves(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.full(len(vase.arc), 0.5)
-    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, parts)
+    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, apart)
     assert (pairs.along >= -1e-5).all()
     assert (pairs.along <= waves.gap()[pairs.before] + 1e-5).all()
     loop = samples.loop[pairs.before]
     arc = vase.arc_start[loop] + np.mod(waves.place[pairs.before] + pairs.along, vase.length[loop])
-    below, above = np.split(arc, 2)
-    assert (np.diff(vase.layer[loop].reshape(2, -1), axis=0) == 1).all()
-    image, _ = projector.project(projector.at(below), vase.layer[loop[: len(below)]] + 1)
+    below, above = arc
+    assert (np.diff(vase.layer[loop], axis=0) == 1).all()
+    image, _ = projector.project(projector.at(below), vase.layer[loop[0]] + 1)
     np.testing.assert_allclose(projector.at(above), projector.at(image), atol=0.01)
+    assert len(below) == pytest.approx(len(vase.arc) * (1 - 1 / len(vase.layer)) / apart, rel=0.02)
     assert pairs.importance.sum() == pytest.approx(0.5 * vase.length[:-1].sum(), rel=1e-3)
 
 
@@ -76,10 +77,11 @@ def test_places_are_found_again_among_samples_that_have_moved(vase):
     samples = optimized_samples(vase, projector, SETTINGS)
     grid, waves = phase_grid(vase, projector, SETTINGS), _Waves(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.ones(len(vase.arc))
-    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 1)
+    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 1.0)
     loop = samples.loop[pairs.before]
     place = np.mod(waves.place[pairs.before] + pairs.along, vase.length[loop])
     waves.place = waves.place + 0.7
+    waves.relocate(pairs)
     share, steep = waves.shares(pairs)
     assert (share >= 0).all() and (share < 1).all()
     np.testing.assert_allclose(1 / steep, waves.gap()[pairs.before], rtol=1e-5)
