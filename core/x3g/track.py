@@ -19,6 +19,8 @@ from .commands import Action, Command
 _US_PER_MINUTE = 60_000_000
 _LETTERS = "XYZAB"
 
+Whole = NDArray[np.int32] | IntArray
+
 
 class Kind(IntEnum):
     """What a row of the track does."""
@@ -76,7 +78,7 @@ class _Follower:
         self._feedrate = 0
         self._tool = 0
         self._rows = 0
-        self._parts: list[tuple[IntArray, IntArray, IntArray, Kind]] = []
+        self._parts: list[tuple[Whole, IntArray, Whole, Kind]] = []
         self._inserted: list[tuple[int, bytes]] = []
         self._handlers: dict[str, Callable[[dict[str, str]], None]] = {
             "G1": self._move,
@@ -108,25 +110,27 @@ class _Follower:
         count = rows.stop - rows.start
         if not count:
             return
-        counter = np.tile(np.array(self._place[3:], dtype=np.int64), (count, 1))
         fed = np.maximum.accumulate(np.where(lines.feeds[rows], np.arange(count), -1))
-        counter[fed >= 0, self._tool] = lines.steps[rows][fed[fed >= 0]]
-        position, feedrate = (column[rows].astype(np.int64) for column in (lines.thousandths, lines.feedrate))
-        self._append(position, counter, feedrate, Kind.MOVE)
+        counter = np.empty((count, 2), dtype=np.int64, order="F")
+        counter[:] = self._place[3:]
+        counter[:, self._tool] = np.where(fed >= 0, lines.steps[rows].take(fed), counter[0, self._tool])
+        self._append(lines.thousandths[rows], counter, lines.feedrate[rows], Kind.MOVE)
 
     def track(self) -> Track:
         """All rows so far."""
         position, counter, feedrate, kinds = zip(*self._parts, strict=True)
         counts = [len(part) for part in feedrate]
+        # Axis by axis in memory, as they are read.
+        places, counters = (np.empty((columns, self._rows), dtype=np.int64).T for columns in (3, 2))
         return Track(
-            np.concatenate(position),
-            np.concatenate(counter),
-            np.concatenate(feedrate),
+            np.concatenate(position, out=places),
+            np.concatenate(counter, out=counters),
+            np.concatenate(feedrate).astype(np.int64),
             np.repeat(np.array(kinds, dtype=np.uint8), counts),
             self._inserted,
         )
 
-    def _append(self, position: IntArray, counter: IntArray, feedrate: IntArray, kind: Kind) -> None:
+    def _append(self, position: Whole, counter: IntArray, feedrate: Whole, kind: Kind) -> None:
         self._parts.append((position, counter, feedrate, kind))
         self._rows += len(feedrate)
         self._place = [*position[-1].tolist(), *counter[-1].tolist()]
