@@ -10,6 +10,7 @@ import shapely
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
+from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths, middle_heights
@@ -25,6 +26,7 @@ from .walls import boundary_paths, simplified, wall_paths, walls_and_fill
 
 _ISLAND_MM = 0.02  # a twentieth of a line: not to be seen behind the outline, and a sixth of the vertices
 _LONGEST_SPARSE_LINK = 3.0  # in spacings, along the wall
+_CROWDED, _LEAST_SHARE = 0.97, 0.7  # of a line's width
 _LONGEST_SOLID_LINK = 4.0  # in line widths, along the lines; beside a boundary that they run along links would pile up
 
 # Turns of the lines of one layer against `infill_angle`, °.
@@ -202,13 +204,33 @@ def hatch_paths(hatching: Hatching, island_layer: IntArray) -> Paths:
     )
     keep = long_enough(cut, found, half)
     points, start, region = joined(cut, found, keep, np.where(skin, 0.5 * width, 0.0), limits)
-    island = hatching.island[region]
+    island, count = hatching.island[region], np.diff(start)
+    width = width * _room_for_links(hatching, points, start, region)
     return Paths(
-        points=rotated(points, hatching.angle_deg, np.repeat(region, np.diff(start))),
+        points=rotated(points, hatching.angle_deg, np.repeat(region, count)),
         start=start,
         layer=island_layer[island].astype(np.int64),
         feature=hatching.feature[region].astype(np.int64),
         island=island.astype(np.int64),
         closed=np.zeros(len(region), dtype=bool),
-        width=np.repeat(width[region], np.diff(start)),
+        width=np.repeat(width[region], count),
     )
+
+
+def _room_for_links(hatching: Hatching, points: FloatArray, start: IntArray, region: IntArray) -> FloatArray:
+    """(N,) share of its width that a region's lines of skin take, 1 but where their links alone overfill it.
+
+    Args:
+        hatching: N regions.
+        points: (P, 2) mm.
+        start: (K + 1,) where each of the lines starts.
+        region: (K,) of each line.
+    """
+    skin = hatching.feature == Feature.SKIN
+    way = np.zeros(len(points))
+    way[:-1] = np.hypot(*np.diff(points, axis=0).T)
+    way[start[1:] - 1] = 0.0
+    laid = np.bincount(region, sums(way, start), len(skin)) * hatching.width_mm
+    room = np.where(skin, shapely.area(hatching.regions), laid)
+    share = np.divide(room, laid, out=np.ones(len(skin)), where=laid > 0)
+    return np.where(share < _CROWDED, np.maximum(share, _LEAST_SHARE), 1.0)

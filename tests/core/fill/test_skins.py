@@ -108,6 +108,14 @@ def test_a_thin_wall_takes_as_much_plastic_as_it_has_room(thickness):
         assert printed_share(thickness, flat) == pytest.approx(1.0, abs=0.03)
 
 
+@pytest.mark.parametrize("thickness", [2.2, 2.6, 3.0])
+def test_lines_across_narrow_walls_overfill_them_by_their_overlap_at_most(thickness):
+    """Links from line to line would add half as much again."""
+    flat = PrintSettings(background_tone=0.5, calibration="none", offset_max=0.0, infill_density=100.0)
+    overlap = 2 * 0.15 * WIDTH / thickness
+    assert 1.0 < printed_share(thickness, flat) < 1.01 + overlap
+
+
 @pytest.mark.parametrize("thickness", [0.6, 0.8, 1.0, 1.1])
 @pytest.mark.parametrize("pattern", ["wave", "wave_offset"])
 def test_a_wall_too_thin_for_waves_takes_no_more_than_it_has_room(thickness, pattern):
