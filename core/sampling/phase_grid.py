@@ -18,8 +18,8 @@ from ..settings import PrintSettings
 from .sampling import Projector
 
 # Every so many contour points are projected as a rule, at least so many of each contour. One of so many points, and no
-# more than every other one of these, is searched on the whole layer above, the others near where their neighbors' images
-# are.
+# more than every other one of these, is searched on the whole layer above, the others near where their neighbors'
+# images are.
 STATION_STRIDE, LEAST_NODES = 3, 8
 SEARCHED = 24
 # Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.

@@ -20,18 +20,15 @@ spacings are pushed back into their bounds.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..contours.contours import Contours, loop_of
-from ..model import BoolArray, FloatArray, IntArray
-from ..ragged import following, preceding, ranges, sums
+from ..model import FloatArray
+from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
 from .sampling import Projector, Samples
+from .seam_pairs import FULL, HALF, Pairs, Singles, Waves, near_seams, pairs_between
 from .spacing import bounded, pushed
-
-Singles = NDArray[np.float32]
 
 # α, where q is the error and where it comes from the slide.
 UNSEEN_ERROR, UNSEEN_SLIDE = 0.03, 0.1
@@ -43,9 +40,6 @@ LEAST_STIFFNESS = 0.15
 MOMENTUM = 0.6
 # After so many steps places are located anew among the samples.
 RELOCATED = 8
-# The error from which on a seam is seen.
-VISIBLE = 0.5
-HALF, FULL = np.float32(np.pi), np.float32(2 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -84,81 +78,6 @@ class Polish:
     exact: bool = False
 
 
-@dataclass(frozen=True)
-class _Pairs:
-    """P places in the first and their images in the second row, and how much a seam between the two matters.
-
-    Attributes:
-        before: (2, P) int64, the sample before each.
-        along: (2, P) mm, how far it lies after where that sample was at first.
-        importance: (P,) mm of contour.
-    """
-
-    before: IntArray
-    along: Singles
-    importance: Singles
-
-
-class _Waves:
-    """Samples that move, on contours set apart so that none leaves its own."""
-
-    def __init__(self, lines: Contours, samples: Samples) -> None:
-        self.loop, self.start = samples.loop, samples.start
-        self.length = lines.length
-        self.arc_start = lines.arc_start
-        self.arc = samples.arc
-        self.first = self.place = samples.arc - lines.arc_start[samples.loop]
-        self.ahead, self.behind = following(self.start), preceding(self.start)
-        self.around = np.where(self.ahead <= np.arange(len(self.loop)), self.length[self.loop], 0.0)
-        self.first_gap = self.gap().astype(np.float32)
-
-    def gap(self) -> FloatArray:
-        """(S,) mm from each sample to the next."""
-        return np.asarray(self.place[self.ahead] - self.place + self.around)
-
-    def locate(self, arc: FloatArray, loop: IntArray) -> tuple[IntArray, FloatArray]:
-        """The sample before each of places on contours at first, and how far these lie after it, mm.
-
-        Places before a contour's first sample lie in its last wave, one turn farther on.
-        """
-        before = np.searchsorted(self.arc, arc, side="right") - 1
-        wrapped = np.flatnonzero(before < self.start.take(loop))
-        before[wrapped] = self.start[loop[wrapped] + 1] - 1
-        along = arc - self.arc.take(before)
-        along[wrapped] += self.length[loop[wrapped]]
-        return before, along
-
-    def seen(self, pairs: _Pairs, exact: bool) -> float:
-        """How many mm of the pairs are seen to be a seam, if not `exact` by their slide alone."""
-        share, _ = self.shares(pairs)
-        if exact:
-            low, high = np.cos(FULL * share)
-            return float(pairs.importance @ ((low - high) ** 2 >= VISIBLE))
-        # The share of all phases at which 4 sin²(π slide) sin²(phase) is VISIBLE.
-        least = np.float32(np.sqrt(VISIBLE) / 2) / np.maximum(np.abs(np.sin(HALF * (share[0] - share[1]))), 1e-6)
-        return float(pairs.importance @ np.arccos(np.minimum(least, 1))) / (np.pi / 2)
-
-    def shares(self, pairs: _Pairs) -> tuple[Singles, Singles]:
-        """(2, P) how far each place lies on the way from the sample before to the next, and 1 by the mm between these.
-
-        Where samples have moved past places since these were located, that is a little less than 0 or more than 1.
-        """
-        moved, inverse = (self.place - self.first).astype(np.float32), (1 / self.gap()).astype(np.float32)
-        steep = inverse.take(pairs.before)
-        share = pairs.along - moved.take(pairs.before)
-        share *= steep
-        return share, steep
-
-    def relocate(self, pairs: _Pairs) -> None:
-        """Find the samples before all places anew, where samples have moved past these by less than a spacing."""
-        share, _ = self.shares(pairs)
-        astray = np.nonzero((share < 0) | (share >= 1))
-        old, early = pairs.before[astray], share[astray] < 0
-        new = np.where(early, self.behind[old], self.ahead[old])
-        pairs.along[astray] += np.where(early, self.first_gap[new], -self.first_gap[old])
-        pairs.before[astray] = new
-
-
 def polished(
     projector: Projector,
     grid: PhaseGrid,
@@ -178,13 +97,13 @@ def polished(
         settings: the wavelength is used.
     """
     lines, least = projector.lines, settings.wavelength
-    waves = _Waves(lines, samples)
-    near, node = _near_seams(lines, grid, waves, effort)
+    waves = Waves(lines, samples)
+    near, node = near_seams(lines, grid, waves, effort.seam, effort.around)
     if not len(node):
         return samples, 0.0
     # Only where everything that a sample shapes is among the pairs.
     free = near & near[waves.behind]
-    pairs = _pairs(projector, grid, waves, node, free, weight, effort.apart)
+    pairs = pairs_between(projector, grid, waves, node, free, weight, effort.apart)
     best, best_place = np.inf, waves.place
     for stage in effort.stages:
         velocity = np.zeros(len(waves.place))
@@ -205,74 +124,7 @@ def polished(
     return samples, float(best / patterned)
 
 
-def _near_seams(lines: Contours, grid: PhaseGrid, waves: _Waves, effort: Polish) -> tuple[BoolArray, IntArray]:
-    """Which samples are near a seam, and the nodes on whose edges or their images are waves that they shape."""
-    node = np.flatnonzero(grid.linked)
-    own, up = grid.loop[node], grid.loop[grid.low[node]]
-    gap = waves.gap()
-    low, along = waves.locate(grid.arc[node], own)
-    high, above = waves.locate(grid.above[node], up)
-    slide = along / gap[low] - above / gap[high]
-    seam = 4 * np.sin(np.pi * slide) ** 2 > effort.seam
-    near = np.zeros(len(waves.place), dtype=bool)
-    near[low[seam]] = True
-    near[high[seam]] = True
-    for _ in range(effort.around):
-        near |= near[waves.ahead] | near[waves.behind]
-    wanted = np.zeros(len(grid.arc), dtype=bool)
-    wanted[node] = near[low] | near[high]
-    wanted |= wanted[grid.ahead]
-    return near, np.flatnonzero(wanted)
-
-
-def _pairs(
-    projector: Projector,
-    grid: PhaseGrid,
-    waves: _Waves,
-    node: IntArray,
-    free: BoolArray,
-    weight: FloatArray,
-    apart: float,
-) -> _Pairs:
-    """Places on the edges from nodes and their images among the samples, those that a free sample shapes."""
-    lines = projector.lines
-    loop = grid.loop[node]
-    last = np.where(grid.seam[node] > 0, lines.start[loop + 1], np.searchsorted(lines.arc, grid.arc[grid.ahead[node]]))
-    # How many places lie before each edge's beginning and before its end.
-    begin, end = (
-        np.ceil((point - lines.start[loop]) / apart).astype(np.int64)
-        for point in (np.searchsorted(lines.arc, grid.arc[node]), last)
-    )
-    edge, place = np.repeat(node, end - begin), apart * ranges(begin, end - begin)
-    point = place.astype(np.int64)
-    place -= point
-    point += lines.start.take(grid.loop.take(edge))
-    away = projector.along.take(point) * place
-    query, arc = projector.spot.take(point) + away, lines.arc.take(point) + np.abs(away)
-    low, along = waves.locate(arc, grid.loop[edge])
-    image = grid.above[edge] + (arc - grid.arc[edge]) / grid.length[edge] * grid.step[edge]
-    up = grid.loop.take(grid.low.take(edge))
-    torn = np.flatnonzero(np.isnan(image))
-    image[torn] = projector.above(query[torn].view(np.float64).reshape(-1, 2), lines.layer[grid.loop[edge[torn]]])
-    up[torn] = loop_of(lines, np.nan_to_num(image[torn]))
-    bottom, top = lines.arc_start.take(up), lines.arc_start.take(up + 1)
-    image += (top - bottom) * ((image < bottom).astype(float) - (image >= top))
-    found = np.flatnonzero(~np.isnan(image) & (np.diff(waves.start)[up] > 0))
-    high, _ = waves.locate(image[found], up[found])
-    shaped = free | free[waves.ahead]
-    some = np.flatnonzero(shaped[low[found]] | shaped[high])
-    found = found[some]
-    # Between nodes the image is near the line between theirs.
-    image, distance = projector.nearby(query[found].view(np.float64).reshape(-1, 2), image[found])
-    some = np.flatnonzero(distance <= projector.threshold)
-    found = found[some]
-    high, above = waves.locate(image[some], up[found])
-    matters = weight.take(point[found]) * (apart * float(lines.arc_start[-1] / len(lines.arc)))
-    after = np.stack([along[found], above]).astype(np.float32)
-    return _Pairs(np.stack([low[found], high]), after, matters.astype(np.float32))
-
-
-def _descent(waves: _Waves, pairs: _Pairs, stage: Stage, exact: bool) -> FloatArray:
+def _descent(waves: Waves, pairs: Pairs, stage: Stage, exact: bool) -> FloatArray:
     """(S,) mm that each sample should move, in single precision, which is plenty."""
     share, steep = waves.shares(pairs)
     pull, stiffness = (_by_error if exact else _by_slide)(share, pairs.importance, stage)

@@ -8,7 +8,8 @@ from dualcolor.core.sampling.optimized import LONGER_POLISH, POLISH, QUICK_POLIS
 from dualcolor.core.sampling.phase_grid import phase_grid
 from dualcolor.core.sampling.quality import seam_errors
 from dualcolor.core.sampling.sampling import Projector, Samples
-from dualcolor.core.sampling.seam_polish import Stage, _pairs, _Waves, polished, sharpness
+from dualcolor.core.sampling.seam_pairs import Waves, pairs_between
+from dualcolor.core.sampling.seam_polish import Stage, polished, sharpness
 from dualcolor.core.sampling.spacing import bounded
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
@@ -40,9 +41,9 @@ def test_what_counts_as_seen_grows_as_it_should(doublings):
 def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(vase, apart):
     projector = Projector(vase, SETTINGS.projection_threshold)
     samples = optimized_samples(vase, projector, SETTINGS)
-    grid, waves = phase_grid(vase, projector, SETTINGS), _Waves(vase, samples)
+    grid, waves = phase_grid(vase, projector, SETTINGS), Waves(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.full(len(vase.arc), 0.5)
-    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, apart)
+    pairs = pairs_between(projector, grid, waves, np.arange(len(grid.arc)), every, weight, apart)
     assert (pairs.along >= -1e-5).all()
     assert (pairs.along <= waves.gap()[pairs.before] + 1e-5).all()
     loop = samples.loop[pairs.before]
@@ -75,9 +76,9 @@ def test_polish_mends_samples_that_were_disturbed_and_tells_how_much_is_left(vas
 def test_places_are_found_again_among_samples_that_have_moved(vase):
     projector = Projector(vase, SETTINGS.projection_threshold)
     samples = optimized_samples(vase, projector, SETTINGS)
-    grid, waves = phase_grid(vase, projector, SETTINGS), _Waves(vase, samples)
+    grid, waves = phase_grid(vase, projector, SETTINGS), Waves(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.ones(len(vase.arc))
-    pairs = _pairs(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 1.0)
+    pairs = pairs_between(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 1.0)
     loop = samples.loop[pairs.before]
     place = np.mod(waves.place[pairs.before] + pairs.along, vase.length[loop])
     waves.place = waves.place + 0.7
