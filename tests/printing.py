@@ -7,6 +7,7 @@ from dualcolor.core.gcode.writer import counted_text
 from dualcolor.core.model import FloatArray
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.statistics.time_and_filament import move_seconds, tool_change_rows
 from dualcolor.core.toolpaths.moves import Moves
 
 TRAVEL, RETRACT, OUTER_WALL, TOWER = Feature.TRAVEL, Feature.RETRACT, Feature.OUTER_WALL, Feature.TOWER
@@ -58,3 +59,22 @@ def gcode_text(moves: Moves, settings: PrintSettings, header: list[str], begins:
 def lengths(moves: Moves) -> np.ndarray:
     """(M,) mm that each row goes."""
     return np.linalg.norm(np.diff(moves.position, axis=0, prepend=moves.position[:1]), axis=1)
+
+
+def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
+    """Seconds that the print moves, see `move_seconds`; heating and priming left out.
+
+    Args:
+        moves: the print.
+        settings: of the print; its printer sets the limits.
+
+    Returns:
+        `total`; `tool_change`, all that is not extruded between the last strand of one tool and the first of the
+        next; `tower`, the strands of the cleaning tower. All in s.
+    """
+    seconds = move_seconds(moves, settings.printer_profile)
+    return {
+        "total": float(seconds.sum()),
+        "tool_change": float(seconds[tool_change_rows(moves)].sum()),
+        "tower": float(seconds[moves.feature == Feature.TOWER].sum()),
+    }

@@ -38,21 +38,6 @@ class ToneCurve:
         return _looked_up(self.to_print, self.slants, tone, slant_deg)
 
 
-def calibrated(tone: FloatArray, slant_deg: FloatArray, settings: PrintSettings) -> tuple[FloatArray, list[str]]:
-    """The tones to print so that, seen face on, they look like those asked for; and notes about the table.
-
-    Args:
-        tone: (N,) asked for, 0 black to 1 white, at the points of all contours.
-        slant_deg: (N,) of the surface; overhangs count as upright.
-        settings: see `tone_curve`.
-
-    Raises:
-        CalibrationError: calibration_file cannot be read.
-    """
-    curve, notes = tone_curve(tone, settings)
-    return tone if curve is None else curve.printed(tone, slant_deg), notes
-
-
 def tone_curve(tone: FloatArray, settings: PrintSettings) -> tuple[ToneCurve | None, list[str]]:
     """The curve from tones asked for to tones to print, None if they are the same; and notes about the table.
 

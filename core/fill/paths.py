@@ -5,7 +5,6 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-import shapely
 
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
@@ -15,16 +14,14 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import line_widths, middle_heights
 from .bridges import Bridges, bridged
-from .closing import closed, covering
 from .concentric import nested
 from .gap_fill import gap_paths, gaps_between, margins, narrow_fill
 from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
 from .skins import Skins, solid_and_sparse
-from .walls import boundary_paths, simplified, wall_paths, walls_and_fill
+from .walls import boundary_paths, wall_paths, walls_and_fill
 
-_ISLAND_MM = 0.02  # a twentieth of a line: not to be seen behind the outline, and a sixth of the vertices
 _LONGEST_SPARSE_LINK = 3.0  # in spacings, along the wall
 _CROWDED, _LEAST_SHARE = 0.97, 0.7  # of a line's width
 _LONGEST_SOLID_LINK = 4.0  # in line widths, along the lines; beside a boundary that they run along links would pile up
@@ -54,35 +51,14 @@ class Hatching:
     width_mm: FloatArray
 
 
-def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings: PrintSettings) -> Paths:
-    """Walls, skins and sparse fill of the whole print.
-
-    Args:
-        sliced: (L,) Polygon or MultiPolygon, the whole cross-section of each layer, maybe empty; mm.
-        islands: (I,) Polygon or MultiPolygon, maybe empty: what lies inside the innermost center line of the waved
-            wall of each connected region.
-        island_layer: (I,) int64 layer of each island.
-        settings: walls, skins and fill.
-
-    Returns:
-        INNER_WALL loops whose first center line lies a line width inside the island's boundary, and SKIN, BRIDGE
-        and INFILL lines. Islands are numbered by their place in `islands`.
-    """
-    islands = simplified(islands, _ISLAND_MM)
-    _, inside, _ = walls_and_fill(islands, line_widths(island_layer, settings), settings)
-    known = closed(inside, island_layer, covering(sliced), settings)
-    straight = np.full(len(islands), shapely.MultiLineString(), dtype=object)
-    areas = fill_areas(islands, straight, island_layer, known.skins.regions, known.skins.whole, settings)
-    return fill_lines(areas, known.bridges, island_layer, settings)
-
-
 def fill_areas(
     islands: Shapes, straight: Shapes, island_layer: IntArray, solid: Shapes, whole: BoolArray, settings: PrintSettings
 ) -> tuple[Shapes, ...]:
     """Divide each island into walls, gaps, skins and sparse fill; no island depends on another.
 
     Args:
-        islands: (I,) as in `fill_paths`, but valid ones, simplified.
+        islands: (I,) valid Polygon or MultiPolygon, maybe empty, simplified: what lies inside the innermost center line
+            of the waved wall of each connected region.
         straight: (I,) where the outer wall has no wave beside others that do, see `outer_wall.straight_parts`.
         island_layer: (I,) int64.
         solid: (I,) where these are to be solid, see `Skins.regions`.
@@ -120,7 +96,8 @@ def fill_lines(areas: tuple[Shapes, ...], over_air: Bridges, island_layer: IntAr
         settings: walls, skins and fill.
 
     Returns:
-        As of `fill_paths`.
+        INNER_WALL loops whose first center line lies a line width inside the island's boundary, and SKIN, BRIDGE
+        and INFILL lines. Islands are numbered by their place in `island_layer`.
     """
     width = line_widths(island_layer, settings)
     *bounded, solid, sparse = areas

@@ -30,9 +30,10 @@ def time_report(
         seconds: (M,) `move_seconds` of the moves, if they are known.
 
     Returns:
-        `total`, `tool_change` and `tower` as of `print_time`; `features`, which add up to the total: the strands of
-        each feature, `tool_change` with all its travels and retractions, and the other ones as `travel` and `retract`;
-        `heating`, which is not part of the total; `single_color`, and `ratio`, the total over that.
+        `total`; `tool_change`, all that is not extruded between the last strand of one tool and the first of the next;
+        `tower`, the strands of the cleaning tower; `features`, which add up to the total: the strands of each feature,
+        `tool_change`, and other travels and retractions as `travel` and `retract`; `heating`, which is not part of the
+        total; `single_color`, and `ratio`, the total over that.
     """
     seconds = move_seconds(moves, settings.printer_profile) if seconds is None else seconds
     changing = tool_change_rows(moves)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import in_chunks
-from ..paths import Feature
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..settings.printer import Four, PrinterProfile
@@ -39,25 +38,6 @@ class _Segments:
     speed: FloatArray
     acceleration: FloatArray
     corner: FloatArray
-
-
-def print_time(moves: Moves, settings: PrintSettings) -> dict[str, float]:
-    """Seconds that the print moves, see `move_seconds`; heating and priming left out.
-
-    Args:
-        moves: the print.
-        settings: of the print; its printer sets the limits.
-
-    Returns:
-        `total`; `tool_change`, all that is not extruded between the last strand of one tool and the first of the
-        next; `tower`, the strands of the cleaning tower. All in s.
-    """
-    seconds = move_seconds(moves, settings.printer_profile)
-    return {
-        "total": float(seconds.sum()),
-        "tool_change": float(seconds[tool_change_rows(moves)].sum()),
-        "tower": float(seconds[moves.feature == Feature.TOWER].sum()),
-    }
 
 
 def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:

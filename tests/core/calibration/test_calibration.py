@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core.calibration.calibrate import calibrated, shipped_table
+from dualcolor.core.calibration.calibrate import shipped_table
 from dualcolor.core.calibration.gamut_maps import gamut_maps, one_map
 from dualcolor.core.calibration.readings import read_tones
 from dualcolor.core.calibration.sweep import Sweep, angles_of, read_sweep, read_sweeps, sweep_path, write_sweep
@@ -16,7 +16,7 @@ from dualcolor.core.errors import CalibrationError
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import preset_values
-from dualcolor.tests.core.calibration.tone_tables import ABOUT, DEFAULT, TONE, inverse, table
+from dualcolor.tests.core.calibration.tone_tables import ABOUT, DEFAULT, TONE, calibrated, inverse, table
 from dualcolor.tests.solids import cylinder
 from hypothesis import given
 from hypothesis import strategies as st

@@ -277,7 +277,7 @@ def test_a_table_that_is_read_is_used(tmp_path):
     path, out = photo_of(tmp_path, faded), tmp_path / "own.json"
     assert main(["read-photo", str(path), "--out", str(out), "--black", "0.1", "--white", "0.5"]) == 0
     settings = PrintSettings(calibration="file", calibration_file=str(out))
-    from dualcolor.core.calibration.calibrate import calibrated
+    from dualcolor.tests.core.calibration.tone_tables import calibrated
 
     asked = np.linspace(0, 1, 101)
     printed, notes = calibrated(asked, np.zeros(101), settings)

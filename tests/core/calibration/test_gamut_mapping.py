@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.calibration.calibrate import calibrated, table_for
+from dualcolor.core.calibration.calibrate import table_for
 from dualcolor.core.calibration.gamut_mapping import WHOLE_RANGE, image_range, printable_tones, targets
 from dualcolor.core.calibration.table import isotonic
 from dualcolor.core.settings import PrintSettings
-from dualcolor.tests.core.calibration.tone_tables import TONE, inverse, table
+from dualcolor.tests.core.calibration.tone_tables import TONE, calibrated, inverse, table
 from hypothesis import given
 from hypothesis import strategies as st
 

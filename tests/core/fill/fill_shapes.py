@@ -2,6 +2,13 @@
 
 import numpy as np
 import shapely
+from dualcolor.core.fill.closing import closed, covering
+from dualcolor.core.fill.paths import fill_areas, fill_lines
+from dualcolor.core.fill.walls import simplified, walls_and_fill
+from dualcolor.core.model import IntArray, Shapes
+from dualcolor.core.paths import Paths
+from dualcolor.core.settings import PrintSettings
+from dualcolor.core.slicing.planes import line_widths
 
 WIDTH = 0.4
 
@@ -58,3 +65,25 @@ def lines_of(paths, feature=None, layer=None):
             points = paths.points[paths.start[k] : paths.start[k + 1]]
             lines.append(shapely.LineString(np.concatenate([points, points[:1]]) if paths.closed[k] else points))
     return shapes(lines)
+
+
+def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings: PrintSettings) -> Paths:
+    """Walls, skins and sparse fill of the whole print.
+
+    Args:
+        sliced: (L,) Polygon or MultiPolygon, the whole cross-section of each layer, maybe empty; mm.
+        islands: (I,) Polygon or MultiPolygon, maybe empty: what lies inside the innermost center line of the waved
+            wall of each connected region.
+        island_layer: (I,) int64 layer of each island.
+        settings: walls, skins and fill.
+
+    Returns:
+        INNER_WALL loops whose first center line lies a line width inside the island's boundary, and SKIN, BRIDGE
+        and INFILL lines. Islands are numbered by their place in `islands`.
+    """
+    islands = simplified(islands, 0.02)
+    _, inside, _ = walls_and_fill(islands, line_widths(island_layer, settings), settings)
+    known = closed(inside, island_layer, covering(sliced), settings)
+    straight = np.full(len(islands), shapely.MultiLineString(), dtype=object)
+    areas = fill_areas(islands, straight, island_layer, known.skins.regions, known.skins.whole, settings)
+    return fill_lines(areas, known.bridges, island_layer, settings)

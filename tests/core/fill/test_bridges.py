@@ -5,13 +5,12 @@ import pytest
 import shapely
 from dualcolor.core.fill.bridges import bridged
 from dualcolor.core.fill.closing import closed
-from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.fill.skins import solid_and_sparse
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.tests.core.fill.fill_shapes import WIDTH, annulus, lines_of, square, stack, table_is_sound
+from dualcolor.tests.core.fill.fill_shapes import WIDTH, annulus, fill_paths, lines_of, square, stack, table_is_sound
 from dualcolor.tests.solids import box, joined
 
 PLAN = PrintSettings()

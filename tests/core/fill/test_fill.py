@@ -5,12 +5,21 @@ import pytest
 import shapely
 from dualcolor.core import parallel
 from dualcolor.core.fill.mitres import moved
-from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.fill.skins import remainder, skins, solid_and_sparse
 from dualcolor.core.fill.walls import offset, offset_outlines, simplified, walls_and_fill
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
-from dualcolor.tests.core.fill.fill_shapes import WIDTH, annulus, blobs, lines_of, shapes, square, stack, table_is_sound
+from dualcolor.tests.core.fill.fill_shapes import (
+    WIDTH,
+    annulus,
+    blobs,
+    fill_paths,
+    lines_of,
+    shapes,
+    square,
+    stack,
+    table_is_sound,
+)
 from shapely import affinity
 
 

@@ -6,11 +6,21 @@ import shapely
 from dualcolor.core.fill.bridges import bridged
 from dualcolor.core.fill.closing import closed, covering
 from dualcolor.core.fill.hatch import crossings, spans
-from dualcolor.core.fill.paths import fill_areas, fill_lines, fill_paths, hatch_paths, planned
+from dualcolor.core.fill.paths import fill_areas, fill_lines, hatch_paths, planned
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
-from dualcolor.tests.core.fill.fill_shapes import WIDTH, annulus, blobs, lines_of, shapes, square, stack, table_is_sound
+from dualcolor.tests.core.fill.fill_shapes import (
+    WIDTH,
+    annulus,
+    blobs,
+    fill_paths,
+    lines_of,
+    shapes,
+    square,
+    stack,
+    table_is_sound,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -4,11 +4,19 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.fill.concentric import nested
-from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
-from dualcolor.tests.core.fill.fill_shapes import WIDTH, blobs, lines_of, shapes, square, stack, table_is_sound
+from dualcolor.tests.core.fill.fill_shapes import (
+    WIDTH,
+    blobs,
+    fill_paths,
+    lines_of,
+    shapes,
+    square,
+    stack,
+    table_is_sound,
+)
 
 PATTERNS = ["rectilinear", "grid", "triangles", "gyroid", "concentric"]
 SPARSE = {"bottom_solid_layers": 0, "top_solid_layers": 0}

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.fill.gap_fill import gap_paths
-from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.tests.core.fill.fill_shapes import WIDTH, lines_of, shapes, square, table_is_sound
+from dualcolor.tests.core.fill.fill_shapes import WIDTH, fill_paths, lines_of, shapes, square, table_is_sound
 from dualcolor.tests.real_models import image_file, obj_model
 from dualcolor.tests.solids import box, joined, lathe, surface
 

@@ -12,14 +12,13 @@ from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import preset_values
 from dualcolor.core.settings.printer import PRINTERS, printer_names, printer_profile, read_profile
-from dualcolor.core.statistics.time_and_filament import print_time
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.motion import step_interval
 from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
 from dualcolor.tests.gpx import convert
-from dualcolor.tests.printing import gcode_text, rosette
+from dualcolor.tests.printing import gcode_text, print_time, rosette
 from dualcolor.tests.solids import box
 
 MAKERBOT = [name for name in printer_names() if not printer_profile(name).marlin]

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.fill.paths import fill_paths
 from dualcolor.core.job.path_stages import path_stages
 from dualcolor.core.job.stages import Stages
 from dualcolor.core.job.wall_stages import wall_stages
@@ -12,9 +11,10 @@ from dualcolor.core.progress import drained
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics.breakdown import filament_report, heating_seconds, time_report
 from dualcolor.core.statistics.single_color import single_color_moves, single_color_seconds
-from dualcolor.core.statistics.time_and_filament import layer_begins, move_seconds, print_time
+from dualcolor.core.statistics.time_and_filament import layer_begins, move_seconds
 from dualcolor.core.toolpaths.moves import Moves
-from dualcolor.tests.printing import rosette
+from dualcolor.tests.core.fill.fill_shapes import fill_paths
+from dualcolor.tests.printing import print_time, rosette
 from dualcolor.tests.real_models import obj_model
 from dualcolor.tests.solids import box, cylinder, joined, lathe
 

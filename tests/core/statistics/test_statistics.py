@@ -11,11 +11,10 @@ from dualcolor.core.statistics.time_and_filament import (
     filament_use,
     layer_begins,
     move_seconds,
-    print_time,
     stretches,
     tool_change_rows,
 )
-from dualcolor.tests.printing import OUTER_WALL, RETRACT, TOWER, TRAVEL, rosette, table
+from dualcolor.tests.printing import OUTER_WALL, RETRACT, TOWER, TRAVEL, print_time, rosette, table
 
 SETTINGS = PrintSettings()
 JERK = (15.0, 15.0, 10.0, 20.0)

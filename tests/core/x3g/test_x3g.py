@@ -6,7 +6,6 @@ from dualcolor.core.errors import PrintError
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import preset_values
-from dualcolor.core.statistics.time_and_filament import print_time
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.commands import SIZES, Command
@@ -14,7 +13,7 @@ from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
 from dualcolor.tests.core.x3g.x3g_simulation import print_seconds
 from dualcolor.tests.gpx import convert
-from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, gcode_text, rosette, table
+from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, gcode_text, print_time, rosette, table
 from dualcolor.tests.real_models import obj_model
 
 STEPS_PER_MM = np.array([88.888889, 88.888889, 400, 96.275201870, 96.275201870])
