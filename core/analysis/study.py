@@ -18,7 +18,7 @@ from ..printability.slopes import FaceContrast, face_contrast, slope_report, slo
 from ..progress import Progress, drained
 from ..records import dataclass
 from ..sampling.quality import SeamErrors
-from ..sampling.sampling import Projector, Samples
+from ..sampling.samples import Projector, Samples
 from ..sampling.visibility import at_arcs, visibility_warnings
 from ..settings import PrintSettings
 from ..slicing.planes import Layers

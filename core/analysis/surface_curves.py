@@ -11,7 +11,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import starts
 from ..records import dataclass
 from ..sampling.quality import PROBE_SPACING, SeamErrors
-from ..sampling.sampling import Samples
+from ..sampling.samples import Samples
 from .tracelines import Tracelines
 
 Rgb = tuple[float, float, float]

@@ -8,7 +8,7 @@ from ..contours.contours import Contours
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import starts
 from ..records import dataclass
-from ..sampling.sampling import Projector, Samples
+from ..sampling.samples import Projector, Samples
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..paths import Paths
 from ..pattern.strand_edges import widened
 from ..pattern.wave import WavedOutlines, modulated, valley_lines
-from ..sampling.sampling import Samples
+from ..sampling.samples import Samples
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids

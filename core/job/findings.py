@@ -16,7 +16,7 @@ from ..printability.footing import footing_warnings, line_warnings
 from ..printability.hanging_walls import hanging_report, hanging_warnings
 from ..printability.slopes import slope_report, slope_warnings
 from ..printability.thin_features import thin_report, thin_warnings
-from ..sampling.sampling import Samples
+from ..sampling.samples import Samples
 from ..sampling.visibility import at_arcs, visibility_warnings
 from ..settings import PrintSettings
 from ..slicing.open_layers import open_warnings

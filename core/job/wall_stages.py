@@ -22,8 +22,9 @@ from ..printability.slopes import FaceContrast, face_contrast
 from ..progress import Progress
 from ..records import dataclass
 from ..sampling.optimized import optimized_samples
+from ..sampling.paper import sample
 from ..sampling.quality import SeamErrors, seam_errors
-from ..sampling.sampling import Projector, Samples, sample
+from ..sampling.samples import Projector, Samples
 from ..sampling.visibility import seam_visibility
 from ..settings import PrintSettings
 from ..slicing.slices import Slices, slices

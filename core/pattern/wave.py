@@ -12,7 +12,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import in_chunks
 from ..ragged import ranges, starts
 from ..records import dataclass
-from ..sampling.sampling import Samples
+from ..sampling.samples import Samples
 from ..settings import PrintSettings
 from .chords import chord_ends
 from .modulation import faded, layer_is_black, layer_shift, layer_sign, shape, supported

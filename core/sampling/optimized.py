@@ -27,7 +27,7 @@ from ..settings import PrintSettings
 from .fewer_layers import fewer_layers
 from .phase_fit import PhaseFit
 from .phase_grid import PhaseGrid, on_grid, phase_grid
-from .sampling import Projector, Samples
+from .samples import Projector, Samples
 from .seam_polish import Polish, Stage, polished
 from .spacing import bounded
 from .wave_plan import Search, WavePlan, planned, planned_further

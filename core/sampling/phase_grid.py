@@ -15,7 +15,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, preceding, ranges, starts
 from ..records import dataclass
 from ..settings import PrintSettings
-from .sampling import Projector
+from .samples import Projector
 
 # Every so many contour points are projected as a rule, at least so many of each contour. One of so many points, and no
 # more than every other one of these, is searched on the whole layer above, the others near where their neighbors'

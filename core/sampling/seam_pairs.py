@@ -10,7 +10,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, preceding, ranges
 from ..records import dataclass
 from .phase_grid import PhaseGrid
-from .sampling import Projector, Samples
+from .samples import Projector, Samples
 
 Singles = NDArray[np.float32]
 

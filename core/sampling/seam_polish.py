@@ -26,7 +26,7 @@ from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
-from .sampling import Projector, Samples
+from .samples import Projector, Samples
 from .seam_pairs import FULL, HALF, Pairs, Singles, Waves, near_seams, pairs_between
 from .spacing import bounded, pushed
 

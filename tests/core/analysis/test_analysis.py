@@ -23,7 +23,7 @@ from dualcolor.core.mesh.surface_points import points_on_faces
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.printability.slopes import face_contrast, slope_report, slope_warnings
 from dualcolor.core.sampling.quality import SeamErrors
-from dualcolor.core.sampling.sampling import Projector, Samples
+from dualcolor.core.sampling.samples import Projector, Samples
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.texture.pyramid import build_pyramids
 from dualcolor.tests.solids import box, cylinder, lathe, surface

@@ -12,9 +12,10 @@ from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.strand_edges import widened
 from dualcolor.core.pattern.wave import modulated, waved
 from dualcolor.core.sampling.optimized import optimized_samples
+from dualcolor.core.sampling.paper import sample
 from dualcolor.core.sampling.phase_grid import phase_grid
 from dualcolor.core.sampling.quality import seam_errors
-from dualcolor.core.sampling.sampling import Projector, sample
+from dualcolor.core.sampling.samples import Projector
 from dualcolor.core.sampling.spacing import bounded, pushed
 from dualcolor.core.sampling.wave_plan import Search, _Curl
 from dualcolor.core.settings import PrintSettings

@@ -7,7 +7,7 @@ from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.sampling.optimized import LONGER_POLISH, POLISH, QUICK_POLISH, optimized_samples
 from dualcolor.core.sampling.phase_grid import phase_grid
 from dualcolor.core.sampling.quality import seam_errors
-from dualcolor.core.sampling.sampling import Projector, Samples
+from dualcolor.core.sampling.samples import Projector, Samples
 from dualcolor.core.sampling.seam_pairs import Waves, pairs_between
 from dualcolor.core.sampling.seam_polish import Stage, polished, sharpness
 from dualcolor.core.sampling.spacing import bounded
