@@ -28,9 +28,10 @@ def test_mesh(path: Path):
     result = generate(model, SETTINGS)
     found = compared(result)
     assert found.diagnostics == []
-    assert found.equal_moves == found.moves > 500
+    assert found.equal_moves == found.moves > 400
     assert found.same_heaters
     assert found.same_bytes
-    assert found.tool_changes == result.report["layers"] - 1 == result.report["tool_changes"]
+    # The tower ends below tips that are too thin to print.
+    assert found.tool_changes == result.report["tool_changes"] < result.report["layers"]
     assert tower_box(result) is not None
     assert found.findings == []
