@@ -53,7 +53,7 @@ def table_is_sound(paths):
     assert paths.start[0] == 0 and paths.start[-1] == len(paths.points) == len(paths.width)
     assert (counts >= np.where(paths.closed, 3, 2)).all()
     assert np.isfinite(paths.points).all()
-    assert (paths.width >= 0.5 * WIDTH).all() and (paths.width <= 1.5 * WIDTH).all()
+    assert (paths.width >= 0.5 * WIDTH).all() and (paths.width <= 2.0 * WIDTH).all()
     assert len(counts) == len(paths.layer) == len(paths.feature) == len(paths.island) == len(paths.closed)
 
 

@@ -89,7 +89,7 @@ def test_a_neck_too_narrow_for_a_wall_gets_one_line_along_its_middle(neck, patte
     points = slice(paths.start[skin], paths.start[skin + 1])
     middle = np.abs(paths.points[points, 1]) < 6.5
     # As wide as the neck between the walls' edges, and 0.16 mm into each of them where waves leave pockets.
-    assert np.allclose(paths.width[points][middle], min(neck - WIDTH + pockets, 0.6), atol=0.02)
+    assert np.allclose(paths.width[points][middle], min(neck - WIDTH + pockets, 2 * WIDTH), atol=0.02)
 
 
 def test_walls_that_meet_have_no_line_between_them():
@@ -121,6 +121,13 @@ def test_a_wall_too_thin_for_waves_takes_no_more_than_it_has_room(thickness, pat
     """Waves leave pockets that lines in the gaps behind them fill; where there is no wave there are none."""
     waved = PrintSettings(pattern=pattern, background_tone=0.5, calibration="none")
     assert printed_share(thickness, waved) == pytest.approx(1.0, abs=0.06)
+
+
+@pytest.mark.parametrize("thickness", [1.8, 2.0])
+def test_a_gap_between_waves_leaves_no_void_that_one_line_can_fill(thickness):
+    """Pockets of the waves stay; a gap that has no room for two walls takes a line up to twice as wide as usual."""
+    waved = PrintSettings(pattern="wave", background_tone=0.5, calibration="none")
+    assert printed_share(thickness, waved) > 0.9
 
 
 def printed_share(thickness, settings):
