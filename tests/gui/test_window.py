@@ -21,6 +21,7 @@ from user import User
 from window import missing
 
 ROOT = Path(__file__).resolve().parents[2]
+CAT = ROOT.parent / "shared" / "data" / "images" / "chelsea.png"
 BLENDER = os.environ.get("BLENDER")
 pytestmark = pytest.mark.skipif(bool(missing(BLENDER)), reason=missing(BLENDER))
 STRANDS = "[held.name for held in bpy.data.collections if held.name.endswith('Dual-Color')]"
@@ -204,10 +205,13 @@ def test_select_shows_what_check_model_has_found(user, package, shot):
 
 
 def test_a_colored_picture_becomes_a_plate_and_a_predicted_print(package, tmp_path):
-    row, column = np.mgrid[0:128, 0:128] / 127
-    colors = np.stack([0.5 + 0.5 * np.sin(6 * np.pi * column), 0.2 + 0.6 * row, 1 - column], axis=-1)
     picture, render = tmp_path / "waves.png", tmp_path / "print.png"
-    Image.fromarray((255 * colors).astype(np.uint8)).save(picture)
+    if CAT.exists():
+        picture = shutil.copy(CAT, tmp_path / "cat.png")
+    else:
+        row, column = np.mgrid[0:128, 0:128] / 127
+        colors = np.stack([0.5 + 0.5 * np.sin(6 * np.pi * column), 0.2 + 0.6 * row, 1 - column], axis=-1)
+        Image.fromarray((255 * colors).astype(np.uint8)).save(picture)
     kept = Path(os.environ.get("DUALCOLOR_SCREENSHOTS", tmp_path)).resolve()
     user = User(BLENDER, tmp_path / "blender", patience=400.0)
     try:
