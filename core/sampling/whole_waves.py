@@ -29,7 +29,7 @@ from .wave_plan import WavePlan
 STRAYS, STRETCH = (0.6, 1.5), 0.5
 # The plan is tilted by at most so many waves each way to steer their sum, which alone adds and drops none. What came
 # in excess shall be made up for in one of so many parts of what is left.
-STEERED, HASTE = 0.3, 3.0
+STEERED, HASTE = 0.3, 4.0
 # The phase's difference from the plan is smoothed so often in each layer, and may be mended so often.
 SMOOTHINGS = 2
 MENDINGS = 2
