@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import ClassVar
 
 import bpy
 from bpy_extras.io_utils import ExportHelper
@@ -15,15 +14,16 @@ from .job import JobOperator
 class FileChoice(ExportHelper):
     """Asks for the file, named like the active object."""
 
-    _named_for: ClassVar[dict[str, str]] = {}
-    """By bl_idname, the object for which a file was asked last."""
+    # Kept by Blender together with the path: by neither is a file browser remembered that was left without a file.
+    named_for: bpy.props.StringProperty(
+        name="Object", description="The object after which the file was named last", options={"HIDDEN"}
+    )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for the file: the last one again for the same object, else one of the object's name in its folder."""
-        name, asked = source_of(context.object).name, type(self).bl_idname
-        same = FileChoice._named_for.get(asked, name) == name
-        self.filepath = proposed_path(self.filepath, name, self.filename_ext, same)
-        FileChoice._named_for[asked] = name
+        name = source_of(context.object).name
+        self.filepath = proposed_path(self.filepath, name, self.filename_ext, self.named_for in ("", name))
+        self.named_for = name
         return ExportHelper.invoke(self, context, event)
 
 

@@ -7,7 +7,8 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from dualcolor.core.errors import PrintError  # noqa: E402
-from dualcolor.operators.file_choice import FileJob, proposed_path  # noqa: E402
+from dualcolor.operators.export import DUALCOLOR_OT_export_gcode  # noqa: E402
+from dualcolor.operators.file_choice import ExportHelper, FileJob, proposed_path  # noqa: E402
 from dualcolor.operators.generate import DUALCOLOR_OT_generate  # noqa: E402
 from dualcolor.operators.job import JobOperator, stop_job  # noqa: E402
 
@@ -146,3 +147,22 @@ def test_a_job_that_writes_a_file_runs_beside_the_work_and_ends_by_esc():
 )
 def test_a_file_is_not_proposed_for_another_object(former, same, proposed):
     assert proposed_path(former, "Cow/1", ".gcode", same) == proposed
+
+
+def test_a_file_browser_that_is_left_changes_nothing(registered, monkeypatch):
+    """Blender keeps the properties of operators that have finished, and begins the next one with them."""
+    monkeypatch.setattr(ExportHelper, "invoke", lambda *_: {"RUNNING_MODAL"})
+    assert "named_for" in bpy.ops.dualcolor.export_gcode.get_rna_type().properties
+    kept = {"filepath": "", "named_for": ""}
+
+    def asked(name, finished):
+        context = SimpleNamespace(object=bpy.data.objects.get(name) or bpy.data.objects.new(name, None))
+        begun = SimpleNamespace(**kept, filename_ext=".gcode")
+        DUALCOLOR_OT_export_gcode.invoke(begun, context, None)
+        if finished:
+            kept.update(filepath=begun.filepath, named_for=begun.named_for)
+        return begun.filepath
+
+    assert asked("Cow", finished=True) == "Cow.gcode"
+    assert [asked("Pig", finished=False), asked("Pig", finished=True)] == ["Pig.gcode", "Pig.gcode"]
+    assert asked("Cow", finished=False) == "Cow.gcode"
