@@ -133,7 +133,7 @@ def _orientations(found: Analysis, args: argparse.Namespace) -> list[str]:
     """The best ways up, a line each, with the options that turn the model so."""
     lines = []
     for number, one in enumerate(found.orientations[:3], start=1):
-        turning = _turning(one.up, args)
+        turning = turning_options(one.up, args)
         if turning and args.height_mm is not None:
             turning.append(f"--height-mm {one.height_mm:.4g}")
         lines.append(
@@ -143,7 +143,7 @@ def _orientations(found: Analysis, args: argparse.Namespace) -> list[str]:
     return lines
 
 
-def _turning(up: tuple[float, float, float], args: argparse.Namespace) -> list[str]:
+def turning_options(up: tuple[float, float, float], args: argparse.Namespace) -> list[str]:
     """Options that turn the model until a direction of the analysed one points up; none if it does so already."""
     from mathutils import Matrix
 
@@ -154,7 +154,9 @@ def _turning(up: tuple[float, float, float], args: argparse.Namespace) -> list[s
         return []
     turned = (Matrix(upright(up).tolist()).to_4x4() @ matrix(rotation(args))).to_euler("XYZ")
     degrees = {axis: round(math.degrees(radians), 1) for axis, radians in zip("xyz", turned, strict=True)}
-    return [f"--rotate-{axis} {turn:g}" for axis, turn in degrees.items() if turn]
+    options = [f"--rotate-{axis} {turn:g}" for axis, turn in degrees.items() if turn]
+    # A model that stands upright without the options that were given needs one that says so.
+    return options or (["--rotate-x 0"] if any(rotation(args)) else [])
 
 
 def _analysed(args: argparse.Namespace, settings: PrintSettings, progress: Progress) -> Analysis:

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 from dualcolor import cli
+from dualcolor.commands import analyse
 from dualcolor.tests.commands.models import FAST
 from dualcolor.tests.gpx import convert
 from PIL import Image
@@ -80,6 +81,20 @@ def test_suggested_orientations_can_be_printed(tmp_path, capfd, height):
         assert cli.main(command) == 0
         size = next(text for text in capfd.readouterr().out.splitlines() if text.startswith("wedge: "))
         assert abs(float(size.split(" × ")[2].split(" mm")[0]) - promised) <= 0.5  # it is told in whole millimeters
+
+
+@pytest.mark.parametrize(
+    ("given", "up", "options"),
+    [
+        ([], (0.0, 0.0, 1.0), []),
+        ([], (0.0, 1.0, 0.0), ["--rotate-x 90"]),
+        (["--rotate-x", "90"], (0.0, 0.0, 1.0), []),
+        (["--rotate-x", "90"], (0.0, -1.0, 0.0), ["--rotate-x 0"]),
+    ],
+)
+def test_to_turn_a_model_back_takes_an_option_too(given, up, options):
+    """What was turned by 90° about X has its former top at -Y."""
+    assert analyse.turning_options(up, cli.make_parser().parse_args(["analyse", "wedge.obj", *given])) == options
 
 
 def test_models_are_turned_and_scaled(box, tmp_path, capfd):
