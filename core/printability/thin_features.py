@@ -10,6 +10,7 @@ import shapely
 from ..contours.contours import LEAST_WIDTH, Contours
 from ..errors import counted
 from ..fill.walls import offset, simplified
+from ..mesh.components import connected
 from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -130,11 +131,5 @@ def _connected(points: FloatArray) -> IntArray:
     key = np.ravel_multi_index(cells.T, size)  # ascending, as `cells` is sorted
     beside = np.ravel_multi_index((cells[:, None] + _NEIGHBORS).reshape(-1, 3).T, size).reshape(len(cells), -1)
     at = np.minimum(np.searchsorted(key, beside), len(key) - 1)
-    at = np.where(key[at] == beside, at, np.arange(len(cells))[:, None])
-    label = np.arange(len(cells))
-    while True:
-        least = label[at].min(axis=1)
-        least = least[least]
-        if np.array_equal(least, label):
-            return np.asarray(np.unique(label, return_inverse=True)[1][cell], dtype=np.int64)
-        label = least
+    one, side = np.nonzero(key[at] == beside)
+    return connected(len(cells), one, at[one, side])[cell]
