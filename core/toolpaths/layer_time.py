@@ -137,7 +137,8 @@ def layer_time_warnings(moves: Moves, seconds: FloatArray, settings: PrintSettin
     short = int((taken < _WORTH_TELLING * wanted).sum())
     if not short:
         return []
+    verb = "takes" if short == 1 else "take"
     return [
-        f"{counted(short, 'layer')} take less than the {wanted:g} s of slowdown_below_layer_time, the shortest "
+        f"{counted(short, 'layer')} {verb} less than the {wanted:g} s of slowdown_below_layer_time, the shortest "
         f"{taken.min():.1f} s, and may not set before the next: print several objects at once, or lower min_print_speed"
     ]

@@ -46,7 +46,7 @@ def test_the_speed_never_falls_below_the_least():
     moves = slowed(table((0, 0, 0.25, 0, TRAVEL, 0, 150, 0), (20, 0, 0.25, 0, OUTER_WALL, 0, 60, 0.6)))
     assert moves.speed[1] == 5.0
     told = layer_time_warnings(moves, move_seconds(moves, SETTINGS.printer_profile), SETTINGS)
-    assert len(told) == 1 and "1 layer" in told[0] and "4.0 s" in told[0]
+    assert len(told) == 1 and "1 layer takes" in told[0] and "4.0 s" in told[0]
 
 
 def test_the_way_to_a_layer_and_the_change_of_tool_count():
