@@ -19,7 +19,7 @@ from .progress import Progress, drained
 from .records import dataclass
 from .settings import PrintSettings
 from .slicing.slices import Slices
-from .statistics.time_and_filament import layer_begins
+from .toolpaths.move_times import layer_begins
 from .toolpaths.moves import Moves
 
 

@@ -7,7 +7,8 @@ from dualcolor.core.gcode.writer import counted_text
 from dualcolor.core.model import FloatArray
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics.time_and_filament import move_seconds, tool_change_rows
+from dualcolor.core.statistics.breakdown import tool_change_rows
+from dualcolor.core.toolpaths.move_times import move_seconds
 from dualcolor.core.toolpaths.moves import Moves
 
 TRAVEL, RETRACT, OUTER_WALL, TOWER = Feature.TRAVEL, Feature.RETRACT, Feature.OUTER_WALL, Feature.TOWER

@@ -14,7 +14,7 @@ from ..paths import Feature
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..settings.printer import PrinterProfile
-from ..statistics.time_and_filament import layer_begins, layer_changes, move_seconds
+from ..toolpaths.move_times import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Moves
 from .fan import fan_commands
 from .marlin import fed_by_each

@@ -11,7 +11,7 @@ from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..settings.header_text import written
-from ..statistics.time_and_filament import layer_begins, move_seconds
+from ..toolpaths.move_times import layer_begins, move_seconds
 from ..toolpaths.moves import Moves
 from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word
 from .program import WIDTH_STEP, Lines, Program, joined, untimed_program, with_progress

@@ -11,8 +11,9 @@ from ..paths import Paths
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
-from ..statistics.time_and_filament import move_seconds, stretches
+from ..statistics.breakdown import stretches
 from ..toolpaths.assemble import assemble
+from ..toolpaths.move_times import move_seconds
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths, ordered
 from ..toolpaths.overhangs import Below, with_overhangs

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
-from ..model import FloatArray
+from ..model import BoolArray, FloatArray
 from ..paths import Feature
 from ..settings import PrintSettings
+from ..toolpaths.move_times import move_seconds
 from ..toolpaths.moves import Moves
-from .time_and_filament import filament_use, move_seconds, tool_change_rows
 
 # Rules of thumb for an enclosed printer in a room of this temperature; they only tell how long to wait for the start.
 ROOM_C = 22.0
@@ -103,3 +104,50 @@ def swap_cost(moves: Moves, seconds: FloatArray, alike: Moves, settings: PrintSe
         "tool_changes_in_layers": int((changes & (np.diff(moves.layer) == 0)).sum()),
         "tool_change_time_s": float(seconds.sum() - move_seconds(alike, settings.printer_profile).sum()),
     }
+
+
+def stretches(moves: Moves, seconds: FloatArray) -> tuple[Moves, FloatArray]:
+    """The print in few rows, for sums: consecutive rows of one tool, layer and feature become one.
+
+    Args:
+        moves: the print.
+        seconds: (M,) `move_seconds` of the moves.
+
+    Returns:
+        S rows with the filament that each stretch takes, all else as in its last row; (S,) s that it takes.
+    """
+    begins = np.ones(len(moves.tool), dtype=bool)
+    extrudes = moves.extrudes
+    begins[1:] = extrudes[1:] != extrudes[:-1]
+    for column in (moves.tool, moves.layer, moves.feature):
+        begins[1:] |= column[1:] != column[:-1]
+    first = np.flatnonzero(begins)
+    last = np.append(first[1:], len(begins))[: len(first)] - 1
+    rows = Moves(*(getattr(moves, column.name)[last] for column in fields(Moves)))
+    return replace(rows, filament=np.add.reduceat(moves.filament, first)), np.add.reduceat(seconds, first)
+
+
+def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
+    """Filament that each tool feeds in the end, retractions balanced: `tool0_mm`, `tool1_mm`, `tool0_g`, `tool1_g`."""
+    use = {}
+    fed = np.bincount(moves.tool, moves.filament, minlength=2).tolist()
+    for tool, diameter in enumerate((settings.filament_diameter_0, settings.filament_diameter_1)):
+        use[f"tool{tool}_mm"] = fed[tool]
+        cubic_mm = use[f"tool{tool}_mm"] * np.pi / 4 * diameter**2
+        use[f"tool{tool}_g"] = float(cubic_mm * settings.filament_density / 1000)
+    return {name: use[name] for name in ("tool0_mm", "tool1_mm", "tool0_g", "tool1_g")}
+
+
+def tool_change_rows(moves: Moves) -> BoolArray:
+    """(M,) rows without a strand between the last strand of one tool and the first of the other."""
+    inside = np.zeros(len(moves.tool), dtype=bool)
+    idle = np.flatnonzero(~moves.extrudes)
+    switched = np.flatnonzero(moves.tool[1:] != moves.tool[:-1]) + 1
+    if len(switched) and len(idle):
+        inside[switched] = inside[switched - 1] = True
+        run = np.cumsum(np.diff(idle, prepend=idle[0]) > 1)
+        changes = np.zeros(run[-1] + 1, dtype=bool)
+        changes[run[inside[idle]]] = True
+        inside[:] = False
+        inside[idle] = changes[run]
+    return inside

@@ -15,11 +15,12 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..toolpaths.assemble import assemble
+from ..toolpaths.move_times import move_seconds
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import ordered
 from ..toolpaths.overhangs import Below, with_overhangs
 from ..toolpaths.travels import Rooms
-from .time_and_filament import move_seconds, tool_change_rows
+from .breakdown import tool_change_rows
 
 # Features that a print in one color does not need.
 ONLY_DUAL = (Feature.TOWER, Feature.OOZE_SHIELD)

@@ -20,7 +20,7 @@ from ..model import FloatArray, IntArray
 from ..paths import Feature
 from ..ragged import ranges, starts
 from ..settings import PrintSettings
-from ..statistics.time_and_filament import layer_begins, move_seconds, shift_seconds
+from .move_times import layer_begins, move_seconds, shift_seconds
 from .moves import Moves
 from .order import OrderedPaths
 

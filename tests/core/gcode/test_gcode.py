@@ -16,7 +16,7 @@ from dualcolor.core.gcode.sequences import end_sequence
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import preset_values
-from dualcolor.core.statistics.time_and_filament import move_seconds
+from dualcolor.core.toolpaths.move_times import move_seconds
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.gpx import convert
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, gcode_text, rosette, table

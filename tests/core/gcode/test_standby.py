@@ -5,7 +5,7 @@ import pytest
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.gcode.standby import preheat_seconds, standby, standby_warnings
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics.time_and_filament import move_seconds
+from dualcolor.core.toolpaths.move_times import move_seconds
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.commands import Action, Command
 from dualcolor.core.x3g.reader import read_x3g

@@ -1,5 +1,7 @@
 """Time and plastic by feature, cost, progress, and the same object in a single color."""
 
+import math
+
 import numpy as np
 import pytest
 from dualcolor.core.job.path_stages import path_stages
@@ -9,9 +11,16 @@ from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.pipeline import generate
 from dualcolor.core.progress import drained
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics.breakdown import filament_report, heating_seconds, time_report
+from dualcolor.core.statistics.breakdown import (
+    filament_report,
+    filament_use,
+    heating_seconds,
+    stretches,
+    time_report,
+    tool_change_rows,
+)
 from dualcolor.core.statistics.single_color import single_color_moves, single_color_seconds
-from dualcolor.core.statistics.time_and_filament import layer_begins, move_seconds
+from dualcolor.core.toolpaths.move_times import layer_begins, move_seconds
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.core.fill.fill_shapes import fill_paths
 from dualcolor.tests.printing import print_time, rosette
@@ -152,3 +161,28 @@ def test_a_low_print_is_put_together_as_a_whole_in_a_single_color():
     told, all_layers, share = compared(cylinder(radius=6, height=6), PrintSettings())
     assert share == 1
     assert told == pytest.approx(all_layers, rel=1e-12)
+
+
+def test_filament_use():
+    moves = rosette(4, 101)
+    use = filament_use(moves, SETTINGS.changed({"filament_diameter_1": 2.0, "filament_density": 1.1}))
+    strands = 2 * 0.66 + 2 * 100 * 0.0041
+    assert use["tool0_mm"] == pytest.approx(strands + 4.0 - 8.0)  # pulled back at the end, primed once
+    assert use["tool1_mm"] == pytest.approx(strands)
+    assert use["tool0_g"] == pytest.approx(use["tool0_mm"] * math.pi / 4 * 1.75**2 * 1.1e-3)
+    assert use["tool1_g"] == pytest.approx(use["tool1_mm"] * math.pi * 1.1e-3)
+    assert (moves.feature == Feature.RETRACT).sum() == 7
+
+
+def test_stretches_add_up_to_the_moves():
+    moves = rosette(3, 40)
+    seconds = move_seconds(moves, SETTINGS.printer_profile)
+    few, taken = stretches(moves, seconds)
+    assert len(few.tool) < len(moves.tool) / 5 and taken.sum() == pytest.approx(seconds.sum())
+    told, whole = (time_report(rows, SETTINGS, 100.0, spent) for rows, spent in ((few, taken), (moves, seconds)))
+    assert told.pop("features") == pytest.approx(whole.pop("features")) and told == pytest.approx(whole)
+    assert filament_use(few, SETTINGS) == pytest.approx(filament_use(moves, SETTINGS))
+    assert layer_begins(few, taken) == pytest.approx(layer_begins(moves, seconds))
+    assert len(tool_change_rows(few)) and taken[tool_change_rows(few)].sum() == pytest.approx(
+        seconds[tool_change_rows(moves)].sum()
+    )

@@ -6,8 +6,8 @@ from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.statistics import single_color
-from dualcolor.core.statistics.time_and_filament import move_seconds
 from dualcolor.core.toolpaths.layer_time import layer_time_warnings, slow_short_layers
+from dualcolor.core.toolpaths.move_times import move_seconds
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TRAVEL, table
 from dualcolor.tests.solids import box, cylinder, lathe
 

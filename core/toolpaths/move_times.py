@@ -1,8 +1,7 @@
-"""How long a print takes and how much filament it uses, from the moves that go into the file."""
+"""How long each move of a print takes, as the firmware plans it, and when each layer begins."""
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -12,9 +11,8 @@ from numpy.typing import NDArray
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import in_chunks
 from ..records import dataclass
-from ..settings import PrintSettings
 from ..settings.printer import Four, PrinterProfile
-from ..toolpaths.moves import Moves
+from .moves import Moves
 
 _SHORTEST_MM = 1e-9
 _ROWS = 1 << 16  # worked on at once; with fewer, a thread that writes text beside this is waited for more often
@@ -46,7 +44,7 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
     Speeds at the corners obey the instant speed change of each axis, that of the filament included, accelerations
     those of the axes, and the printer can always stop at the end of its queue of moves. It stands still at tool
     changes, where the carriage shifts from nozzle to nozzle. That a short queue slows the firmware down does not
-    appear here: `toolpaths/speeds.py` gives every line the time that it needs to stay filled.
+    appear here: `speeds.py` gives every line the time that it needs to stay filled.
     """
     seconds = np.zeros(len(moves.tool))
     if not len(seconds):
@@ -63,27 +61,6 @@ def move_seconds(moves: Moves, printer: PrinterProfile) -> FloatArray:
 def shift_seconds(printer: PrinterProfile) -> float:
     """s in which the carriage shifts from nozzle to nozzle at a change of the tool."""
     return printer.nozzle_distance_mm / (printer.travel_mm_min / 60)
-
-
-def stretches(moves: Moves, seconds: FloatArray) -> tuple[Moves, FloatArray]:
-    """The print in few rows, for sums: consecutive rows of one tool, layer and feature become one.
-
-    Args:
-        moves: the print.
-        seconds: (M,) `move_seconds` of the moves.
-
-    Returns:
-        S rows with the filament that each stretch takes, all else as in its last row; (S,) s that it takes.
-    """
-    begins = np.ones(len(moves.tool), dtype=bool)
-    extrudes = moves.extrudes
-    begins[1:] = extrudes[1:] != extrudes[:-1]
-    for column in (moves.tool, moves.layer, moves.feature):
-        begins[1:] |= column[1:] != column[:-1]
-    first = np.flatnonzero(begins)
-    last = np.append(first[1:], len(begins))[: len(first)] - 1
-    rows = Moves(*(getattr(moves, column.name)[last] for column in fields(Moves)))
-    return replace(rows, filament=np.add.reduceat(moves.filament, first)), np.add.reduceat(seconds, first)
 
 
 def layer_changes(layer: IntArray) -> BoolArray:
@@ -104,17 +81,6 @@ def layer_begins(moves: Moves, seconds: FloatArray) -> FloatArray:
         return np.zeros(1)
     taken = np.add.reduceat(seconds, np.flatnonzero(layer_changes(moves.layer)))
     return np.concatenate([[0.0], np.cumsum(taken)])
-
-
-def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
-    """Filament that each tool feeds in the end, retractions balanced: `tool0_mm`, `tool1_mm`, `tool0_g`, `tool1_g`."""
-    use = {}
-    fed = np.bincount(moves.tool, moves.filament, minlength=2).tolist()
-    for tool, diameter in enumerate((settings.filament_diameter_0, settings.filament_diameter_1)):
-        use[f"tool{tool}_mm"] = fed[tool]
-        cubic_mm = use[f"tool{tool}_mm"] * np.pi / 4 * diameter**2
-        use[f"tool{tool}_g"] = float(cubic_mm * settings.filament_density / 1000)
-    return {name: use[name] for name in ("tool0_mm", "tool1_mm", "tool0_g", "tool1_g")}
 
 
 def _segments(moves: Moves, printer: PrinterProfile) -> _Segments:
@@ -242,18 +208,3 @@ def _trapezoid_seconds(
     ramps = (2 * top - np.sqrt(begin) - np.sqrt(end)) / acceleration
     ramp_length = (highest - both / 2) / acceleration
     return (ramps + np.maximum(length - ramp_length, 0.0) / top,)
-
-
-def tool_change_rows(moves: Moves) -> BoolArray:
-    """(M,) rows without a strand between the last strand of one tool and the first of the other."""
-    inside = np.zeros(len(moves.tool), dtype=bool)
-    idle = np.flatnonzero(~moves.extrudes)
-    switched = np.flatnonzero(moves.tool[1:] != moves.tool[:-1]) + 1
-    if len(switched) and len(idle):
-        inside[switched] = inside[switched - 1] = True
-        run = np.cumsum(np.diff(idle, prepend=idle[0]) > 1)
-        changes = np.zeros(run[-1] + 1, dtype=bool)
-        changes[run[inside[idle]]] = True
-        inside[:] = False
-        inside[idle] = changes[run]
-    return inside

@@ -1,19 +1,10 @@
-"""Print time against hand-made trapezoids and a slow planner; filament use."""
+"""Print time against hand-made trapezoids and a slow planner."""
 
 import math
 
 import numpy as np
 import pytest
-from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.statistics.breakdown import time_report
-from dualcolor.core.statistics.time_and_filament import (
-    filament_use,
-    layer_begins,
-    move_seconds,
-    stretches,
-    tool_change_rows,
-)
 from dualcolor.tests.printing import OUTER_WALL, RETRACT, TOWER, TRAVEL, print_time, rosette, table
 
 SETTINGS = PrintSettings()
@@ -149,28 +140,3 @@ def test_time_is_never_less_than_the_speeds_allow():
     assert print_time(moves, SETTINGS)["total"] > (way / moves.speed[1:]).sum()
     alone = table((5, 5, 5, 0, TRAVEL, 0, 10, 0))
     assert print_time(alone, SETTINGS) == {"total": 0.0, "tool_change": 0.0, "tower": 0.0}
-
-
-def test_filament_use():
-    moves = rosette(4, 101)
-    use = filament_use(moves, SETTINGS.changed({"filament_diameter_1": 2.0, "filament_density": 1.1}))
-    strands = 2 * 0.66 + 2 * 100 * 0.0041
-    assert use["tool0_mm"] == pytest.approx(strands + 4.0 - 8.0)  # pulled back at the end, primed once
-    assert use["tool1_mm"] == pytest.approx(strands)
-    assert use["tool0_g"] == pytest.approx(use["tool0_mm"] * math.pi / 4 * 1.75**2 * 1.1e-3)
-    assert use["tool1_g"] == pytest.approx(use["tool1_mm"] * math.pi * 1.1e-3)
-    assert (moves.feature == Feature.RETRACT).sum() == 7
-
-
-def test_stretches_add_up_to_the_moves():
-    moves = rosette(3, 40)
-    seconds = move_seconds(moves, SETTINGS.printer_profile)
-    few, taken = stretches(moves, seconds)
-    assert len(few.tool) < len(moves.tool) / 5 and taken.sum() == pytest.approx(seconds.sum())
-    told, whole = (time_report(rows, SETTINGS, 100.0, spent) for rows, spent in ((few, taken), (moves, seconds)))
-    assert told.pop("features") == pytest.approx(whole.pop("features")) and told == pytest.approx(whole)
-    assert filament_use(few, SETTINGS) == pytest.approx(filament_use(moves, SETTINGS))
-    assert layer_begins(few, taken) == pytest.approx(layer_begins(moves, seconds))
-    assert len(tool_change_rows(few)) and taken[tool_change_rows(few)].sum() == pytest.approx(
-        seconds[tool_change_rows(moves)].sum()
-    )
