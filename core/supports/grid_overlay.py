@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ..fill.walls import polygonal
 from ..model import FloatArray, Shapes
 from ..parallel import geos_in_threads
 
@@ -29,12 +30,7 @@ def intersection(shapes: Shapes, others: Shapes | shapely.Geometry) -> Shapes:
 
 def areas(shapes: Shapes | shapely.Geometry) -> Shapes:
     """(N,) shapes without the lines and points where shapes only touch."""
-    result: Shapes = np.atleast_1d(np.asarray(shapes, dtype=object))
-    mixed = shapely.get_type_id(result) == shapely.GeometryType.GEOMETRYCOLLECTION
-    mixed |= (shapely.get_dimensions(result) < 2) & ~shapely.is_empty(result)
-    if mixed.any():
-        result[mixed] = shapely.buffer(result[mixed], 0.0)
-    return result
+    return polygonal(np.atleast_1d(np.asarray(shapes, dtype=object)))
 
 
 def nothing(count: int) -> Shapes:

@@ -25,6 +25,7 @@ _GROWTH_STEP_MM = 0.25  # so that columns of about one height grow alike
 # Nothing narrower than twice this, mm, is printed.
 _HALF_LEAST_WIDTH_MM = 0.3
 _ARC_SEGMENTS = 4
+_PAIRS_AT_ONCE = 1 << 20  # whose boxes are held in memory
 
 
 def steady(found: Shapes, needed: Contacts, taken: Shapes, layer_height: float) -> Shapes:
@@ -75,7 +76,17 @@ def _pairs(parts: Shapes, layer: IntArray, others: Shapes, other_layer: IntArray
     """(other, part) of all that overlap on the same layer, by `layer` (P,), which does not decrease, and another."""
     first = np.searchsorted(layer, other_layer, side="left")
     count = np.searchsorted(layer, other_layer, side="right") - first
-    other, part = np.repeat(np.arange(len(others)), count), ranges(first, count)
+    cuts = np.searchsorted(np.cumsum(count), np.arange(_PAIRS_AT_ONCE, count.sum(), _PAIRS_AT_ONCE))
+    some = [
+        _overlapping(parts, others, np.repeat(rows, count[rows]), ranges(first[rows], count[rows]))
+        for rows in np.split(np.arange(len(others)), cuts)
+    ]
+    other, part = (np.concatenate(column) for column in zip(*some, strict=True))
+    return other, part
+
+
+def _overlapping(parts: Shapes, others: Shapes, other: IntArray, part: IntArray) -> tuple[IntArray, IntArray]:
+    """Those of the pairs (other, part) that overlap."""
     one, two = shapely.bounds(others)[other], shapely.bounds(parts)[part]
     near = ((one[:, :2] <= two[:, 2:]) & (two[:, :2] <= one[:, 2:])).all(axis=1)
     other, part, same = other[near], part[near], (one[near] == two[near]).all(axis=1)

@@ -14,6 +14,7 @@ from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
+from dualcolor.core.supports import stability
 from dualcolor.core.supports.lines import SUPPORT_ISLAND
 from dualcolor.core.supports.paths import supports
 from dualcolor.core.toolpaths.loops import Turn
@@ -216,3 +217,15 @@ def test_no_support_crosses_the_wave(data, name, height, pattern):
         assert (air > settings.support_xy_distance - 1e-6).all()
         seen += len(held) > 10
     assert seen > 8
+
+
+def test_overlaps_are_looked_for_in_portions(monkeypatch):
+    """Many small columns on many layers would have more pairs than fit into memory."""
+    rng = np.random.default_rng(4)
+    corner, side = rng.random((60, 2)) * 10, 0.5 + 2 * rng.random((60, 2))
+    boxes = shapely.box(*corner.T, *(corner + side).T)
+    parts, layer, others, below = boxes[:40], np.sort(rng.integers(0, 5, 40)), boxes[40:], rng.integers(-1, 6, 20)
+    met = (below[:, None] == layer) & shapely.intersects(others[:, None], parts)
+    for at_once in (1, 7, 1 << 20):
+        monkeypatch.setattr(stability, "_PAIRS_AT_ONCE", at_once)
+        assert np.array_equal(np.stack(stability._pairs(parts, layer, others, below)), np.stack(met.nonzero()))
