@@ -79,11 +79,8 @@ class PhaseGrid:
 
     def coarser(self, lines: Contours, stride: int) -> PhaseGrid:
         """Every so many nodes of each contour, at least four, and all where a tear begins or ends."""
-        count = np.diff(self.start)
-        local = np.arange(len(self.arc)) - self.start[self.loop]
-        every = np.minimum(stride, np.maximum(count // 4, 1))[self.loop]
         torn = np.isnan(self.step)
-        return self.picked(lines, np.flatnonzero((local % every == 0) | (torn != torn[self.behind])))
+        return self.picked(lines, np.flatnonzero(self._regular(stride) | (torn != torn[self.behind])))
 
     def picked(self, lines: Contours, node: IntArray) -> PhaseGrid:
         """Some of the nodes, among them the first of each contour; edges with a tear on the way are torn."""
@@ -126,10 +123,13 @@ class PhaseGrid:
 
     def every(self, lines: Contours, stride: int) -> PhaseGrid:
         """Only every so many nodes of each contour, at least four."""
-        count = np.diff(self.start)
+        return self.picked(lines, np.flatnonzero(self._regular(stride)))
+
+    def _regular(self, stride: int) -> BoolArray:
+        """(K,) every so many nodes of each contour, at least four."""
         local = np.arange(len(self.arc)) - self.start[self.loop]
-        every = np.minimum(stride, np.maximum(count // 4, 1))[self.loop]
-        return self.picked(lines, np.flatnonzero(local % every == 0))
+        every = np.minimum(stride, np.maximum(np.diff(self.start) // 4, 1))[self.loop]
+        return np.asarray(local % every == 0)
 
     def rows(self) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
         """What lies above each edge that is not torn, as weighted edges of the contour above.
