@@ -32,6 +32,7 @@ from ...core.model import BoolArray, FloatArray
 from ...core.printability.slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
 from ...core.texture.decode import linear_from_srgb
 from ..kept import kept_json
+from ..materials import new_material
 from ..strands.preview import bed_origin
 from ..strands.strand_curves import new_curves, set_drawing
 from ..units import mm_per_unit
@@ -184,10 +185,8 @@ def _paint(name: str, linear: tuple[float, ...]) -> bpy.types.Material:
     material = bpy.data.materials.get(name)
     if material:
         return material
-    material = bpy.data.materials.new(name)
+    material = new_material(name)
     material.diffuse_color = (*linear, 1.0)
-    if material.node_tree is None:  # Blender 5 gives every material its nodes and warns about this line
-        material.use_nodes = True
     nodes = material.node_tree.nodes
     nodes.clear()
     shine, output = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeOutputMaterial")

@@ -10,6 +10,7 @@ from ...core.pictures.shapes import PictureShape
 from ...core.settings import PrintSettings
 from ...core.texture.decode import srgb_from_linear
 from ..input.mesh_input import WITH_SURFACE
+from ..materials import new_material, picture_node
 from ..properties import from_settings
 from ..units import mm_per_unit, use_millimeters
 
@@ -75,17 +76,11 @@ def _mesh(shape: PictureShape, name: str) -> bpy.types.Mesh:
 
 def _material(name: str, color: bpy.types.Image | float) -> bpy.types.Material:
     """A material whose base color is a picture, its texels shown as squares, or one even tone."""
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True  # before Blender 5
-    tree = material.node_tree
-    base = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED").inputs["Base Color"]
+    material = new_material(name)
     if isinstance(color, float):
-        base.default_value = (color, color, color, 1.0)
-        material.diffuse_color = (color, color, color, 1.0)
-        return material
-    node = tree.nodes.new("ShaderNodeTexImage")
-    node.image, node.interpolation, node.location = color, "Closest", (-320, 280)
-    tree.links.new(node.outputs["Color"], base)
-    tree.nodes.active = node
+        shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+        shader.inputs["Base Color"].default_value = material.diffuse_color = (color, color, color, 1.0)
+    else:
+        node = picture_node(material)
+        node.image, node.interpolation = color, "Closest"
     return material

@@ -9,6 +9,7 @@ from mathutils import Matrix
 
 from ...core.model import Float32Array
 from ...core.texture.decode import srgb_from_linear
+from ..materials import new_material, picture_node
 from ..paint.ambient_occlusion import occlusion
 from ..paint.unwrap import unwrap
 from ..units import use_millimeters
@@ -89,17 +90,9 @@ def _smooth_head() -> bpy.types.Mesh:
 
 def _image_node(obj: bpy.types.Object) -> bpy.types.ShaderNodeTexImage:
     """A material on the object whose base color is an image, still to be set; the node is the one to bake into."""
-    material = bpy.data.materials.new("Calico coat")
-    if material.node_tree is None:
-        material.use_nodes = True  # before Blender 5
+    material = new_material("Calico coat")
     obj.data.materials.append(material)
-    tree = material.node_tree
-    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
-    node = tree.nodes.new("ShaderNodeTexImage")
-    node.location = (-320, 280)
-    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-    tree.nodes.active = node
-    return node
+    return picture_node(material)
 
 
 def _baked(node: bpy.types.ShaderNodeTexImage, kind: str) -> Float32Array:

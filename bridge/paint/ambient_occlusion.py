@@ -15,6 +15,7 @@ from ...core.progress import drained
 from ...core.texture.decode import linear_from_srgb, srgb_from_linear
 from ..input.image_input import image_pixels, is_encoded
 from ..input.mesh_input import NO_FACES_HINT
+from ..materials import new_material
 from ..units import mm_per_unit
 
 SAMPLES = 20
@@ -101,7 +102,7 @@ def _set_up(
     """A scene with only a copy of the object, and the picture that it bakes into; both are removed afterwards."""
     copy, unit = _fine_copy(obj), mm_per_unit(bpy.context.scene)
     scene, world = bpy.data.scenes.new(_NAME), bpy.data.worlds.new(_NAME)
-    material = bpy.data.materials.new(_NAME)
+    material = new_material(_NAME)
     image = bpy.data.images.new(_NAME, *size, float_buffer=True, is_data=True)
     image.generated_color = (1.0, 1.0, 1.0, 1.0)  # between the charts
     try:
@@ -153,8 +154,6 @@ def _dress(copy: bpy.types.Object, material: bpy.types.Material, image: bpy.type
     """A material that shines by the attribute that occlusion is baked to, and bakes into the image."""
     attribute = copy.data.color_attributes.new(_ATTRIBUTE, "FLOAT_COLOR", "POINT")
     copy.data.color_attributes.active_color = attribute
-    if material.node_tree is None:
-        material.use_nodes = True  # before Blender 5
     tree = material.node_tree
     tree.nodes.clear()
     color, emission, output, target = (

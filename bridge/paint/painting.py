@@ -16,6 +16,7 @@ from ..bed import bounds_mm
 from ..input.base_color import BaseColor, base_color, chosen_color, picture_layer
 from ..input.image_input import image_colors
 from ..input.printed_materials import printed_materials
+from ..materials import new_material, picture_node
 from ..units import mm_per_unit
 from .unwrap import GAP_MM, smart_project
 
@@ -172,15 +173,8 @@ def _new_picture(name: str, side: int, tone: float) -> bpy.types.Image:
 
 
 def _show_in_new_material(obj: bpy.types.Object, image: bpy.types.Image) -> None:
-    material = bpy.data.materials.new(f"{obj.name} Tone")
-    if material.node_tree is None:
-        material.use_nodes = True  # before Blender 5
-    tree = material.node_tree
-    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
-    node = tree.nodes.new("ShaderNodeTexImage")
-    node.image, node.location = image, (-320, 280)
-    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-    tree.nodes.active = node
+    material = new_material(f"{obj.name} Tone")
+    picture_node(material).image = image
     if obj.data.materials:
         obj.data.materials[0] = material
     else:

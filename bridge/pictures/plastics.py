@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import bpy
 
+from ..materials import new_material
+
 REFLECTANCE = {"Black": 0.02, "White": 0.8}
 """Diffuse reflectance, linear, of ABS in both colors."""
 
@@ -23,11 +25,9 @@ def plastic(color: str) -> bpy.types.Material:
 
 def diffuse_material(name: str, reflectance: float, roughness: float, refractive_index: float) -> bpy.types.Material:
     """A new gray dielectric, the same in the viewport and in Cycles."""
-    material = bpy.data.materials.new(name)
+    material = new_material(name)
     material.diffuse_color = (reflectance, reflectance, reflectance, 1.0)
     material.roughness = roughness
-    if material.node_tree is None:  # Blender 5 gives every material its nodes and warns about this line
-        material.use_nodes = True
     nodes = material.node_tree.nodes
     nodes.clear()
     surface = nodes.new("ShaderNodeBsdfPrincipled")

@@ -8,6 +8,7 @@ import bpy
 
 from ...core.paths import Feature
 from ...core.records import dataclass
+from ..materials import new_material
 
 Color = tuple[float, float, float]
 
@@ -88,9 +89,7 @@ def _material(legend: Legend) -> bpy.types.Material:
     name = f"Strands by {legend.title}"
     if name in bpy.data.materials:
         return bpy.data.materials[name]
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # Blender 5 gives every material its nodes and warns about this line
-        material.use_nodes = True
+    material = new_material(name)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     label, scale, ramp = (nodes.new(f"ShaderNode{kind}") for kind in ("Attribute", "MapRange", "ValToRGB"))
