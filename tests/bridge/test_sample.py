@@ -1,11 +1,13 @@
 """The sample: a watertight bust with a coat, the same every time."""
 
-import bmesh
-import bpy
 import numpy as np
 import pytest
-from dualcolor.bridge.objects import sample
-from dualcolor.tests.scene import extent, model_of
+
+bpy = pytest.importorskip("bpy")
+
+import bmesh  # noqa: E402
+from dualcolor.bridge.objects import sample  # noqa: E402
+from dualcolor.tests.scene import extent, model_of  # noqa: E402
 
 
 @pytest.fixture(scope="module")
