@@ -12,7 +12,7 @@ from ..ragged import starts
 
 SIMPLIFY_MM = 0.03  # finer zigzags only slow the nozzle down
 ON_EDGE_MM = 1e-6
-_SAMPLE = 0.75  # line widths between the boundary's points that the middle is found from
+_SAMPLE = 1.0  # line widths between the boundary's points that the middle is found from
 _GRID_DIGITS = 6  # decimals of mm; points much nearer than that to each other upset the triangulation
 _MIXED = (0x1B873593_85EBCA6B, 0x27D4EB2F_165667C5, 0x2545F491_4F6CDD1D)  # odd numbers, to make one of three
 
