@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 
 from ..bridge.analysis.orientations import orientations_of
-from ..bridge.analysis.overlays import COLOR_KEY, analysis_of, overlays_of
+from ..bridge.analysis.overlays import COLOR_KEY, analysis_of, overlays_in, overlays_of
 from ..bridge.strands.preview import source_of
 from ..operators.analyse import DUALCOLOR_OT_analyse, DUALCOLOR_OT_remove_analysis
 from ..operators.orientation import DUALCOLOR_OT_apply_orientation, DUALCOLOR_OT_suggest_orientation
@@ -111,7 +111,7 @@ def _draw_legend(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     head.prop(collection, "hide_viewport", text="Hide All", toggle=True)
     head.operator(DUALCOLOR_OT_remove_analysis.bl_idname, icon="X")
     column = layout.column(align=True)
-    for held in collection.objects:
+    for held in overlays_in(collection):
         row = column.row()
         row.label(text=held.name.rsplit(".", 1)[0], icon_value=swatch(tuple(held[COLOR_KEY])))
         row.prop(held, "hide_viewport", text="", emboss=False)

@@ -62,7 +62,7 @@ def show_analysis(found: Analysis, source: bpy.types.Object) -> bpy.types.Collec
     origin = bed_origin(found.mesh, source, unit) / unit
     new = [*_pattern_overlays(found, unit), *_guard_overlays(found, unit)]
     collection = overlays_of(source) or bpy.data.collections.new(f"{source.name} Analysis")
-    hidden = {held.name.rsplit(".", 1)[0] for held in collection.objects if held.hide_viewport}
+    hidden = {held.name.rsplit(".", 1)[0] for held in overlays_in(collection) if held.hide_viewport}
     _clear(collection)
     collection[SOURCE_KEY] = source
     for made in new:
@@ -82,14 +82,21 @@ def overlays_of(source: bpy.types.Object) -> bpy.types.Collection | None:
     return next((held for held in bpy.data.collections if held.get(SOURCE_KEY) == source), None)
 
 
+def overlays_in(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """The overlays of a collection, without what the user has put there."""
+    return [held for held in collection.objects if COLOR_KEY in held]
+
+
 def remove_analysis(source: bpy.types.Object) -> bool:
-    """Remove the analysis of an object; False if there was none."""
+    """Remove the analysis of an object; False if there was none. Whatever else its collection holds stays."""
     source.pop(REPORT_KEY, None)
     collection = overlays_of(source)
     if collection is None:
         return False
     _clear(collection)
-    bpy.data.collections.remove(collection)
+    del collection[SOURCE_KEY]
+    if not collection.objects and not collection.children:
+        bpy.data.collections.remove(collection)
     return True
 
 
@@ -99,7 +106,7 @@ def analysis_of(source: bpy.types.Object) -> dict[str, Any]:
 
 
 def _clear(collection: bpy.types.Collection) -> None:
-    for held in list(collection.objects):
+    for held in overlays_in(collection):
         data = held.data
         bpy.data.objects.remove(held)
         if not data.users:

@@ -100,6 +100,18 @@ def test_overlays_stand_on_the_object_and_are_replaced(cone):
     assert again["Deaths"].hide_viewport and not again["Tracelines"].hide_viewport
 
 
+def test_what_the_user_puts_among_the_overlays_stays(cone):
+    bpy.ops.dualcolor.analyse()
+    held = overlays_of(cone)
+    held.objects.link(lamp := bpy.data.objects.new("Lamp", None))
+    texts = drawn(DUALCOLOR_PT_analysis, cone).texts
+    assert "Lamp" not in texts and "Tracelines" in texts
+    bpy.ops.dualcolor.analyse()
+    assert overlays_of(cone) == held and lamp.name in held.objects
+    assert bpy.ops.dualcolor.remove_analysis() == {"FINISHED"}
+    assert overlays_of(cone) is None and held.objects[:] == [lamp]
+
+
 def test_figures_match_the_report_and_go_with_the_overlays(cone):
     bpy.ops.dualcolor.analyse()
     report = analysis_of(cone)
