@@ -143,27 +143,9 @@ def pairs_between(
         apart: distance of the places in points of the contours.
     """
     lines = projector.lines
-    loop = grid.loop[node]
-    last = np.where(grid.seam[node] > 0, lines.start[loop + 1], np.searchsorted(lines.arc, grid.arc[grid.ahead[node]]))
-    # How many places lie before each edge's beginning and before its end.
-    begin, end = (
-        np.ceil((point - lines.start[loop]) / apart).astype(np.int64)
-        for point in (np.searchsorted(lines.arc, grid.arc[node]), last)
-    )
-    edge, place = np.repeat(node, end - begin), apart * ranges(begin, end - begin)
-    point = place.astype(np.int64)
-    place -= point
-    point += lines.start.take(grid.loop.take(edge))
-    away = projector.along.take(point) * place
-    query, arc = projector.spot.take(point) + away, lines.arc.take(point) + np.abs(away)
+    edge, point, query, arc = _places(projector, grid, node, apart)
     low, along = waves.locate(arc, grid.loop[edge])
-    image = grid.above[edge] + (arc - grid.arc[edge]) / grid.length[edge] * grid.step[edge]
-    up = grid.loop.take(grid.low.take(edge))
-    torn = np.flatnonzero(np.isnan(image))
-    image[torn] = projector.above(query[torn].view(np.float64).reshape(-1, 2), lines.layer[grid.loop[edge[torn]]])
-    up[torn] = loop_of(lines, np.nan_to_num(image[torn]))
-    bottom, top = lines.arc_start.take(up), lines.arc_start.take(up + 1)
-    image += (top - bottom) * ((image < bottom).astype(float) - (image >= top))
+    image, up = _images(projector, grid, edge, query, arc)
     found = np.flatnonzero(~np.isnan(image) & (np.diff(waves.start)[up] > 0))
     high, _ = waves.locate(image[found], up[found])
     shaped = free | free[waves.ahead]
@@ -177,3 +159,42 @@ def pairs_between(
     matters = weight.take(point[found]) * (apart * float(lines.arc_start[-1] / len(lines.arc)))
     after = np.stack([along[found], above]).astype(np.float32)
     return Pairs(np.stack([low[found], high]), after, matters.astype(np.float32))
+
+
+def _places(
+    projector: Projector, grid: PhaseGrid, node: IntArray, apart: float
+) -> tuple[IntArray, IntArray, NDArray[np.complex128], FloatArray]:
+    """Places on the edges from nodes: (P,) the edge of each, the contour point before, where it is, and its arc."""
+    lines = projector.lines
+    loop = grid.loop[node]
+    last = np.where(grid.seam[node] > 0, lines.start[loop + 1], np.searchsorted(lines.arc, grid.arc[grid.ahead[node]]))
+    # How many places lie before each edge's beginning and before its end.
+    begin, end = (
+        np.ceil((point - lines.start[loop]) / apart).astype(np.int64)
+        for point in (np.searchsorted(lines.arc, grid.arc[node]), last)
+    )
+    edge, place = np.repeat(node, end - begin), apart * ranges(begin, end - begin)
+    point = place.astype(np.int64)
+    place -= point
+    point += lines.start.take(grid.loop.take(edge))
+    away = projector.along.take(point) * place
+    query, arc = projector.spot.take(point) + away, lines.arc.take(point) + np.abs(away)
+    return edge, point, query, arc
+
+
+def _images(
+    projector: Projector, grid: PhaseGrid, edge: IntArray, query: NDArray[np.complex128], arc: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """(P,) arcs of the images of places on the layer above, NaN where there is none, and (P,) their contours.
+
+    They lie on the line between those of the edge's nodes; where these are torn apart, the place itself is projected.
+    """
+    lines = projector.lines
+    image = grid.above[edge] + (arc - grid.arc[edge]) / grid.length[edge] * grid.step[edge]
+    up = grid.loop.take(grid.low.take(edge))
+    torn = np.flatnonzero(np.isnan(image))
+    image[torn] = projector.above(query[torn].view(np.float64).reshape(-1, 2), lines.layer[grid.loop[edge[torn]]])
+    up[torn] = loop_of(lines, np.nan_to_num(image[torn]))
+    bottom, top = lines.arc_start.take(up), lines.arc_start.take(up + 1)
+    image += (top - bottom) * ((image < bottom).astype(float) - (image >= top))
+    return image, up
