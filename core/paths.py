@@ -117,3 +117,11 @@ class Paths:
         columns = [own if part.swapped is None else part.swapped for part, own in zip(parts, none, strict=True)]
         swapped: BoolArray = np.concatenate(columns)
         return swapped
+
+
+def way_ahead(points: FloatArray, last: IntArray) -> FloatArray:
+    """(N,) mm from each point (N, 2) of open lines to the next of its line, 0 at the `last` (K,) of each."""
+    way = np.zeros(len(points))
+    way[:-1] = np.hypot(*np.diff(points, axis=0).T)
+    way[last] = 0.0
+    return way

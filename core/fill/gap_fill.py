@@ -9,7 +9,7 @@ import shapely
 
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
-from ..paths import Feature, Paths
+from ..paths import Feature, Paths, way_ahead
 from ..ragged import starts
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
@@ -209,9 +209,7 @@ def _beside_the_middle(
         gaps: (P,) Polygon.
         gap: (L,) the gap of each line.
     """
-    way = np.zeros(len(points))
-    way[:-1] = np.hypot(*np.diff(points, axis=0).T)
-    way[:-1][line[1:] != line[:-1]] = 0.0
+    way = way_ahead(points, np.flatnonzero(line[1:] != line[:-1]))
     laid = np.bincount(gap[line], way * across, len(gaps))
     return np.asarray(np.clip(shapely.area(gaps) / np.maximum(laid, _SMALLEST_MM2), 1.0, _MOST_MORE))
 

@@ -9,7 +9,7 @@ import shapely
 
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
-from ..paths import Feature, Paths
+from ..paths import Feature, Paths, way_ahead
 from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -205,10 +205,7 @@ def _room_for_links(hatching: Hatching, points: FloatArray, start: IntArray, reg
         region: (K,) of each line.
     """
     skin = hatching.feature == Feature.SKIN
-    way = np.zeros(len(points))
-    way[:-1] = np.hypot(*np.diff(points, axis=0).T)
-    way[start[1:] - 1] = 0.0
-    laid = np.bincount(region, sums(way, start), len(skin)) * hatching.width_mm
+    laid = np.bincount(region, sums(way_ahead(points, start[1:] - 1), start), len(skin)) * hatching.width_mm
     room = np.where(skin, shapely.area(hatching.regions), laid)
     share = np.divide(room, laid, out=np.ones(len(skin)), where=laid > 0)
     return np.where(share < _CROWDED, np.maximum(share, _LEAST_SHARE), 1.0)

@@ -94,11 +94,10 @@ class Waves:
         pairs.before[astray] = new
 
 
-def near_seams(lines: Contours, grid: PhaseGrid, waves: Waves, seam: float, around: int) -> tuple[BoolArray, IntArray]:
+def near_seams(grid: PhaseGrid, waves: Waves, seam: float, around: int) -> tuple[BoolArray, IntArray]:
     """Which samples are near a seam, and the nodes on whose edges or their images are waves that they shape.
 
     Args:
-        lines: the contours.
         grid: of all layers.
         waves: the samples.
         seam: where the error is greater than this at some phase is a seam.

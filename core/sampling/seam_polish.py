@@ -98,7 +98,7 @@ def polished(
     """
     lines, least = projector.lines, settings.wavelength
     waves = Waves(lines, samples)
-    near, node = near_seams(lines, grid, waves, effort.seam, effort.around)
+    near, node = near_seams(grid, waves, effort.seam, effort.around)
     if not len(node):
         return samples, 0.0
     # Only where everything that a sample shapes is among the pairs.

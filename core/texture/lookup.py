@@ -100,11 +100,8 @@ def _within_island(
 
     Also returns (n,) whether the island covers all four of them; elsewhere the values are meaningless.
     """
-    level, scale = picture.levels[number], np.float32(0.5**number)
-    right_share, upper_share = x * scale - _HALF, y * scale - _HALF
-    left, below = np.floor(right_share), np.floor(upper_share)
-    right_share -= left
-    upper_share -= below
+    level = picture.levels[number]
+    (left, right_share), (below, upper_share) = _between_texels(x, number), _between_texels(y, number)
     corner = below.astype(np.int64)
     corner *= level.width
     corner += left.astype(np.int64)
@@ -118,6 +115,14 @@ def _within_island(
             lower, upper = _mixed(lower, lower_right, right_share), _mixed(upper, upper_right, right_share)
             answers.append(_mixed(lower, upper, upper_share))
     return answers, known
+
+
+def _between_texels(place: Float32Array, number: int) -> tuple[Float32Array, Float32Array]:
+    """(n,) the texel of a level whose middle lies before each place, -1 or more, and how far on to the next it lies."""
+    share = place * np.float32(0.5**number) - _HALF
+    first = np.floor(share)
+    share -= first
+    return first, share
 
 
 def _mixed(first: Float32Array, second: Float32Array, share: Float32Array) -> Float32Array:
@@ -160,11 +165,8 @@ def _bilinear(
 
     Texels are weighted by how much of them the island covers; with `island` None all weigh the same.
     """
-    level, scale = picture.levels[number], np.float32(0.5**number)
-    right_share, upper_share = x * scale - _HALF, y * scale - _HALF
-    left, below = np.floor(right_share), np.floor(upper_share)
-    right_share -= left
-    upper_share -= below
+    level = picture.levels[number]
+    (left, right_share), (below, upper_share) = _between_texels(x, number), _between_texels(y, number)
     columns = _neighbors(left, level.width, picture.repeats)
     rows = _neighbors(below, level.height, picture.repeats)
     paint, alpha, weight = np.zeros((3, len(x)), dtype=np.float32)

@@ -89,6 +89,7 @@ def test_a_job_that_was_told_to_outlive_its_terminal_does():
     try:
         with ended_by_signals():
             signal.raise_signal(signal.SIGHUP)
+            assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGHUP, former)
 
