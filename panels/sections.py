@@ -101,6 +101,7 @@ PRINT_DETAILS = (
             "skirt_distance",
             "first_layer_height",
             "first_layer_extrusion_width",
+            "elephant_foot_compensation",
         ),
         stage="print",
     ),

@@ -18,7 +18,7 @@ from ..ragged import ranges
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines
-from ..slicing.planes import line_widths
+from ..slicing.planes import elephant_foot, line_widths
 from .along_loops import around, dot, filtered, gaussian, steps
 from .clearance import BLOCK, gaps
 from .inset import bend_room, inset
@@ -125,7 +125,7 @@ def contours(
     Args:
         outlines: M loops.
         loop_polygon: (M,) the region that each bounds.
-        settings: wavelength and the extrusion widths are used.
+        settings: wavelength, the extrusion widths and the first layer's compensation are used.
         reach: how far room is looked for; None is as far as the settings ask for.
     """
     reach = reach or reach_of(settings)
@@ -153,14 +153,15 @@ def contours(
         part, own = slice(start[first], start[last]), start[first : last + 1] - start[first]
         points[:, part] = filtered(resampled(outlines, even, first, last, face[part], carried[:, part]), own, kernel)
         normal[:, part] = _normals(points[:, part], own, kernel)
-    widest = line_widths(layer, settings)
+    widest, squashed = line_widths(layer, settings), elephant_foot(layer, settings)
     most_inside = 2 * (float(widest.max(initial=0.0)) + reach.inwards)
     most_outside = 2 * (reach.outwards + NARROW_GAP) if reach.outwards else 0.0
     thickness, clearance = gaps(points, spacing, normal, start, layer, most_inside, most_outside)
     for first, last in runs:
         part, own = slice(start[first], start[last]), start[first : last + 1] - start[first]
-        line_width = np.repeat(widest[first:last], np.diff(own))
-        _inset(lines, part, own, line_width, thickness[part] / 2, clearance[part] / 2, kernel, reach)
+        line_width, squash = (np.repeat(values[first:last], np.diff(own)) for values in (widest, squashed))
+        half = thickness[part] / 2, clearance[part] / 2
+        _inset(lines, part, own, line_width, squash, *half, kernel, reach)
     total = np.concatenate([[0.0], np.cumsum(step)])
     return replace(lines, arc=total[:-1], arc_start=total[start])
 
@@ -170,6 +171,7 @@ def _inset(
     part: slice,
     start: IntArray,
     widest: FloatArray,
+    squash: FloatArray,
     half: FloatArray,
     half_gap: FloatArray,
     kernel: FloatArray,
@@ -183,6 +185,7 @@ def _inset(
         part: where.
         start: (m + 1,) offsets of the loops.
         widest: (n,) mm, of the lines.
+        squash: (n,) mm, by which they move inwards in addition, as far as the material is thick enough for that.
         half: (n,) mm, half of the material's thickness.
         half_gap: (n,) mm, half of the air's.
         kernel: low-pass.
@@ -193,9 +196,14 @@ def _inset(
     np.minimum(np.maximum(half, LEAST_WIDTH * widest), widest, out=width)
     depth = np.minimum(width, half)
     depth /= 2
+    spare = np.maximum(half - width, 0.0)
+    if squash.any():
+        np.minimum(squash, spare, out=squash)
+        depth += squash
+        spare -= squash
     base, step, unbent = inset(outline, normal, depth, start, kernel)
     square, turning = dot(step, step), dot(steps(normal, start), step)
-    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, square, normal, turning, -1, start, inwards))
+    room = np.minimum(spare, bend_room(base, square, normal, turning, -1, start, inwards))
     np.multiply(room, unbent, out=lines.room_inside[part])
     if outwards:
         room = np.maximum(half_gap - NARROW_GAP, 0.0)
@@ -210,7 +218,8 @@ def reach_of(settings: PrintSettings) -> Reach:
     wave = settings.wave_crest
     solid = 0.0 if settings.solid_regions == "none" else settings.solid_set_back
     air = OPEN_AIR if wave and settings.hide_seams else 0.0
-    inwards, outwards = wave + max(settings.offset_max, solid), max(wave, air)
+    squash = float(elephant_foot(np.zeros(1, dtype=np.int64), settings)[0])
+    inwards, outwards = wave + max(settings.offset_max, solid) + squash, max(wave, air)
     return Reach(*(REACH_STEP * math.ceil(way / REACH_STEP - ROUNDING) for way in (inwards, outwards)))
 
 

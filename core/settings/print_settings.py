@@ -159,6 +159,12 @@ class PrintSettings(Declared):
     )
 
     # Adhesion and tower
+    elephant_foot_compensation: float = setting(
+        0.0,
+        "How far the first layer's outline is moved inwards where its lines are squashed wider on the bed; not on a "
+        "raft, nor where the object is thinner than two lines",
+        "mm", 0.0, 1.0,
+    )  # fmt: skip
     brim_width: float = setting(0.0, "Width of the brim around the first layer; 0 is none", "mm", 0.0, 50.0)
     raft_layers: int = setting(0, "Layers of the raft below the object; 0 is none", "", 0, 20)
     raft_margin: float = setting(4.0, "How far the raft reaches beyond the first layer", "mm", 0.0, 20.0)

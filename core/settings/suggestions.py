@@ -29,6 +29,7 @@ _ELSEWHERE = {
     "top_layers": "top_solid_layers",
     "wall_line_count": "perimeters",
     "wipe_tower": "tower_type",
+    "xy_offset_layer_0": "elephant_foot_compensation",
 }
 
 

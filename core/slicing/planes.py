@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import MeshError
-from ..model import FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
 
@@ -66,8 +66,16 @@ def levels(height: FloatArray, plane: FloatArray) -> IntArray:
 
 def line_widths(layer: IntArray, settings: PrintSettings) -> FloatArray:
     """(N,) mm, how wide the object's lines are on (N,) layers; the first has its own width where it lies on the bed."""
-    on_bed = (layer == 0) & (settings.raft_layers == 0)
-    return np.where(on_bed, settings.first_layer_extrusion_width, settings.extrusion_width)
+    return np.where(_on_bed(layer, settings), settings.first_layer_extrusion_width, settings.extrusion_width)
+
+
+def elephant_foot(layer: IntArray, settings: PrintSettings) -> FloatArray:
+    """(N,) mm, by which outlines are moved inwards since the bed squashes their lines; above 0 where they lie on it."""
+    return np.where(_on_bed(layer, settings), settings.elephant_foot_compensation, 0.0)
+
+
+def _on_bed(layer: IntArray, settings: PrintSettings) -> BoolArray:
+    return np.asarray((layer == 0) & (settings.raft_layers == 0))
 
 
 def middle_heights(layer: IntArray, settings: PrintSettings) -> FloatArray:

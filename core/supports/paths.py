@@ -5,7 +5,7 @@ from __future__ import annotations
 import shapely
 from shapely import Geometry
 
-from ..contours.contours import Contours
+from ..contours.contours import Contours, reach_of
 from ..model import FloatArray, Shapes, TriangleMesh
 from ..paths import Paths
 from ..records import dataclass
@@ -59,11 +59,12 @@ def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray
 
 
 def on_bed(region: Geometry, area: Geometry, settings: PrintSettings) -> Geometry:
-    """The first layer of the object and its supports.
+    """The first layer of the object, behind its outer walls wherever these may lie, and its supports.
 
     Args:
         region: cross-section of the object.
         area: of the supports' center lines.
-        settings: `extrusion_width` is used.
+        settings: `extrusion_width` and what moves walls inwards are used.
     """
-    return shapely.union(region, shapely.buffer(area, settings.extrusion_width / 2, quad_segs=2))
+    behind = shapely.buffer(region, -reach_of(settings).inwards)
+    return shapely.union(behind, shapely.buffer(area, settings.extrusion_width / 2, quad_segs=2))

@@ -72,7 +72,7 @@ def ground(shade: shapely.Geometry, region: shapely.Geometry, walls: Paths, sett
 
     Args:
         shade: their `shadow`.
-        region: Polygon or MultiPolygon, the first layer's cross-section and supports, to which its walls are added.
+        region: Polygon or MultiPolygon, the first layer behind its outer walls, and supports; its walls are added.
         walls: the waved outlines, of the first layer at least.
         settings: the extrusion widths and the raft are used.
     """

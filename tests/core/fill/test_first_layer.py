@@ -55,3 +55,26 @@ def test_on_a_raft_the_object_has_no_first_layer_of_its_own():
     moves = plate(first_layer_extrusion_width=0.6, raft_layers=2)
     own = moves.extrudes & np.isin(moves.feature, OWN)
     assert np.allclose(moves.width[own], 0.4)
+
+
+def reach_of_wall(moves, layer):
+    return np.abs(moves.position[rows_of(moves, layer, Feature.OUTER_WALL), :2]).max(axis=0)
+
+
+def test_elephant_foot_compensation_narrows_the_first_layer_alone():
+    moves = plate(elephant_foot_compensation=0.15)
+    assert reach_of_wall(moves, 0) == pytest.approx(SIDE / 2 - 0.2 - 0.15, abs=0.03)
+    assert reach_of_wall(moves, 1) == pytest.approx(SIDE / 2 - 0.2, abs=0.03)
+    volume = moves.filament[rows_of(moves, 0, *OWN)].sum() * np.pi / 4 * 1.75**2
+    assert volume == pytest.approx((SIDE - 0.3) ** 2 * 0.25, rel=0.02)
+    raised = plate(elephant_foot_compensation=0.15, raft_layers=2)
+    assert reach_of_wall(raised, 2) == pytest.approx(SIDE / 2 - 0.2, abs=0.03)
+
+
+@pytest.mark.parametrize(("thickness", "left"), [(0.7, 0.7), (1.0, 0.8), (2.0, 1.7)])
+def test_elephant_foot_compensation_leaves_thin_walls_two_lines(thickness, left):
+    plan = PrintSettings(pattern="offset", elephant_foot_compensation=0.15)
+    moves = generate(box((0, 0, 0), (SIDE, thickness, 1.0)), plan).moves
+    rows = rows_of(moves, 0, Feature.OUTER_WALL) & (np.abs(moves.position[:, 0]) < SIDE / 4)
+    edge = np.abs(moves.position[rows, 1]) + moves.width[rows] / 2
+    assert edge == pytest.approx(left / 2, abs=0.01)

@@ -15,7 +15,7 @@ from dualcolor.core.toolpaths.shield import shield_paths
 from dualcolor.core.toolpaths.skirt import skirt_paths, skirt_warnings
 from dualcolor.core.toolpaths.surroundings import Ground, ground, shadow, surrounding_paths
 from dualcolor.tests.core.toolpaths.bed import REACH, SETTINGS, loops_of, stack
-from dualcolor.tests.solids import box
+from dualcolor.tests.solids import box, lathe
 
 # Brim
 
@@ -206,3 +206,13 @@ def test_an_empty_ground_has_nothing_around_it():
     empty = Ground(shapely.Polygon(), shapely.Polygon())
     settings = SETTINGS.changed({"tower_type": "none", "ooze_shield": True, "brim_width": 3.0})
     assert not len(surrounding_paths(empty, stack(3), settings).layer)
+
+
+@pytest.mark.parametrize("values", [{"tone": 0.0}, {"tone": 1.0}, {"tone": 1.0, "elephant_foot_compensation": 0.2}])
+def test_the_brim_touches_walls_that_are_set_back(values):
+    tone = values.pop("tone")
+    plan = SETTINGS.changed({"brim_width": 2.0, "pattern": "offset", "tower_type": "none", "skirts": 0, **values})
+    moves = generate(lathe([(12, 0), (12, 1)], tone=tone), plan).moves
+    radius, strand = np.hypot(*moves.position[:, :2].T), moves.extrudes & (moves.layer == 0)
+    wall, brim = (radius[strand & (moves.feature == feature)] for feature in (Feature.OUTER_WALL, Feature.BRIM))
+    assert brim.min() - wall.max() == pytest.approx(plan.extrusion_width, abs=0.03)
