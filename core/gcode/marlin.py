@@ -5,31 +5,33 @@ The lines at the start, at a tool change and at the end differ from printer to p
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
 from ..model import IntArray
 from ..settings import PrintSettings
 from ..settings.printer import MarlinCommands
+from ..settings.temperatures import bed_temperature, nozzle_temperature
 from .fan import fan_off
 
 FILAMENT_AXIS = "E"
 
 
 def marlin_start(
-    commands: MarlinCommands, settings: PrintSettings, tools: tuple[int, ...], retracted: tuple[float, float]
+    commands: MarlinCommands, settings: PrintSettings, hot: dict[int, float], retracted: tuple[float, float]
 ) -> list[str]:
     """The profile's start, then each tool pulled back as far as the print expects it; the last one starts the print.
 
     Args:
         commands: of the printer.
         settings: of the print.
-        tools: that the print uses.
+        hot: °C of the tools that the print uses.
         retracted: mm of filament that each tool is left pulled back.
     """
-    lines = _filled(commands.start, settings, tools[-1])
-    for tool in tools:
+    *_, first = hot
+    lines = _filled(commands.start, settings, 0, first, hot)
+    for tool in hot:
         lines += marlin_tool_change(commands, tool)
         if retracted[tool] > 0:
             lines.append(f"G1 {FILAMENT_AXIS}{-retracted[tool]:.5f} F{settings.retract_speed * 60:.0f}")
@@ -44,7 +46,7 @@ def marlin_tool_change(commands: MarlinCommands, tool: int) -> list[str]:
 def marlin_end(commands: MarlinCommands, settings: PrintSettings, tool: int) -> list[str]:
     """Pull the filament of the active tool back, then the profile's end."""
     pull_back = f"G1 {FILAMENT_AXIS}{-settings.retract_length:.5f} F{settings.retract_speed * 60:.0f}"
-    return [pull_back, *fan_off(settings), *_filled(commands.end, settings, tool)]
+    return [pull_back, *fan_off(settings), *_filled(commands.end, settings, 1, tool)]
 
 
 def fed_by_each(counter: IntArray, tool: IntArray) -> IntArray:
@@ -56,13 +58,13 @@ def fed_by_each(counter: IntArray, tool: IntArray) -> IntArray:
     return fed
 
 
-def _filled(lines: Iterable[str], settings: PrintSettings, tool: int) -> list[str]:
-    values = {
-        "{bed}": settings.bed_temperature,
-        "{nozzle_0}": settings.nozzle_temperature_0,
-        "{nozzle_1}": settings.nozzle_temperature_1,
-        "{tool}": tool,
-    }
+def _filled(
+    lines: Iterable[str], settings: PrintSettings, layer: int, tool: int, hot: Mapping[int, float] | None = None
+) -> list[str]:
+    """Lines with numbers in place of names: of a layer and a tool, except for nozzles of which it is known better."""
+    nozzles = {number: nozzle_temperature(settings, number, 1) for number in (0, 1)} | dict(hot or {})
+    values = {"{bed}": bed_temperature(settings, layer), "{tool}": tool}
+    values |= {f"{{nozzle_{number}}}": degrees for number, degrees in nozzles.items()}
     filled = []
     for line in lines:
         for name, value in values.items():

@@ -14,16 +14,18 @@ from ..paths import Feature
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..settings.printer import PrinterProfile
+from ..settings.temperatures import starting_temperatures
 from ..toolpaths.move_times import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Moves
 from .fan import fan_commands
 from .marlin import fed_by_each
 from .numbers import BACKWARDS_LIMIT, COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
-from .standby import standby_commands
+from .standby import standby, standby_commands
+from .temperatures import after_first_layer
 
-# Lines of the idle nozzle by row, before the row and after its tool change.
-IdleCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
+# Lines for heaters and fan by row, before the row and after its tool change.
+HeatingCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
 
 WIDTH_STEP = 0.002
 """mm, resolution of the widths in comments."""
@@ -136,17 +138,26 @@ def untimed_program(moves: Moves, settings: PrintSettings) -> Program:
         steps = fed_by_each(steps, moves.tool)
         moves = replace(moves, position=moves.position + np.array([*printer.marlin.origin, 0.0]))
     lines, kept_before = _lines(moves, steps, printer)
-    idle: IdleCommands = ({}, {})
-    if settings.standby_temperature_delta:
-        idle = standby_commands(moves, move_seconds(moves, printer), settings)
-    for row, lines_of_fan in fan_commands(moves, settings).items():
-        idle[1].setdefault(row, []).extend(lines_of_fan)
+    heating = _heating(moves, settings)
     strands = np.flatnonzero(extrudes)
-    places, insertions = _insertions(moves, strands, kept_before, idle, printer)
+    places, insertions = _insertions(moves, strands, kept_before, heating, printer)
     last_tool = int(moves.tool[-1])
     end = end_sequence(settings, last_tool, counters[last_tool])
     widens, widths = _width_changes(moves, strands, settings.extrusion_width)
     return Program(start.lines, lines, places, insertions, kept_before[widens], widths, end)
+
+
+def _heating(moves: Moves, settings: PrintSettings) -> HeatingCommands:
+    """Lines for heaters and fan, before a row and after its tool change."""
+    resting = None
+    commands: HeatingCommands = ({}, {})
+    if settings.standby_temperature_delta:
+        resting = standby(moves, move_seconds(moves, settings.printer_profile), settings)
+        commands = standby_commands(moves, resting, settings)
+    for further in (after_first_layer(moves, settings, resting), fan_commands(moves, settings)):
+        for row, lines in further.items():
+            commands[1].setdefault(row, []).extend(lines)
+    return commands
 
 
 def _check(moves: Moves) -> None:
@@ -162,9 +173,10 @@ def _check(moves: Moves) -> None:
 
 def _start(moves: Moves, extrudes: BoolArray, settings: PrintSettings) -> StartSequence:
     first = int(moves.tool[0])
-    others = (1 - first,) if (moves.tool != first).any() else ()
+    hot = starting_temperatures(settings, moves.tool, moves.layer)
+    hot[first] = hot.pop(first)  # it is primed last
     front = float(np.where(extrudes, moves.position[:, 1], np.inf).min()) if extrudes.any() else 0.0
-    return start_sequence(settings, (*others, first), (_first_prime(moves, 0), _first_prime(moves, 1)), front)
+    return start_sequence(settings, hot, (_first_prime(moves, 0), _first_prime(moves, 1)), front)
 
 
 def _first_prime(moves: Moves, tool: int) -> float:
@@ -233,7 +245,7 @@ def _insertions(
     moves: Moves,
     strands: IntArray,
     kept_before: IntArray,
-    idle: IdleCommands,
+    heating: HeatingCommands,
     printer: PrinterProfile,
 ) -> tuple[IntArray, list[bytes]]:
     """Insertions between the lines: comments at layers and features, marks for the progress, tool changes.
@@ -242,7 +254,7 @@ def _insertions(
         moves: the print.
         strands: (E,) rows that lay down a strand.
         kept_before: (M,) how many lines stand before each row.
-        idle: see `standby_commands`.
+        heating: see `_heating`.
         printer: that it is for.
 
     Returns:
@@ -255,7 +267,7 @@ def _insertions(
     feature_starts = np.zeros(len(layer_starts), dtype=bool)
     feature_starts[strands[np.append(True, feature[1:] != feature[:-1])[: len(feature)]]] = True
     others = layer_starts | tool_starts
-    others[list(idle[0])] = True
+    others[list(heating[0])] = True
     rows = np.flatnonzero(others | feature_starts)
     insertions = [_FEATURE_COMMENTS[number] for number in moves.feature[rows].tolist()]
     of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts)
@@ -263,11 +275,11 @@ def _insertions(
     columns = (place, rows[place], *(column[rows[place]] for column in of_rows))
     for number, row, *values in zip(*(column.tolist() for column in columns), strict=True):
         new_layer, layer, new_tool, tool, new_feature = values
-        lines = list(idle[0].get(row, []))
+        lines = list(heating[0].get(row, []))
         if new_layer:
             lines += [f"; layer {layer}", _PROGRESS[:-1].decode()]
         lines += tool_change_lines(tool, printer) if new_tool else []
-        lines += idle[1].get(row, [])
+        lines += heating[1].get(row, [])
         insertions[number] = joined(lines) + insertions[number] * new_feature
     return kept_before[rows], insertions
 

@@ -7,6 +7,7 @@ import math
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..settings.printer import PrinterProfile
+from ..settings.temperatures import bed_temperature
 from .marlin import marlin_end, marlin_start, marlin_tool_change
 
 PRIME_WIDTH_MM = 1.0
@@ -36,24 +37,24 @@ def tool_change_lines(tool: int, printer: PrinterProfile) -> list[str]:
 
 
 def start_sequence(
-    settings: PrintSettings, tools: tuple[int, ...], retracted: tuple[float, float], front: float
+    settings: PrintSettings, hot: dict[int, float], retracted: tuple[float, float], front: float
 ) -> StartSequence:
     """Heat, home and draw one priming line with each tool along the front edge.
 
     Args:
         settings: of the print.
-        tools: that the print uses, in the order of priming; the last one starts the print.
+        hot: °C of the tools that the print uses, in the order of priming; the last one starts the print.
         retracted: mm of filament that each tool is left pulled back.
         front: mm, least Y of the print; the priming lines keep away from it.
     """
     if marlin := settings.printer_profile.marlin:
-        lines = marlin_start(marlin, settings, tools, retracted)
+        lines = marlin_start(marlin, settings, hot, retracted)
         return StartSequence(lines, (0.0, 0.0))
     near, far = settings.printer_profile.prime_y
     priming_y = near if front >= near + CLEARANCE_MM else far
-    lines = _heat_and_home(settings, tools)
+    lines = _heat_and_home(settings, hot)
     counters = [0.0, 0.0]
-    for tool in tools:
+    for tool in hot:
         fed = _prime_amount(settings, tool)
         lines += tool_change_lines(tool, settings.printer_profile)
         lines += _prime_lines(settings, tool, fed, retracted[tool], priming_y)
@@ -88,13 +89,13 @@ def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str
     ]
 
 
-def _heat_and_home(settings: PrintSettings, tools: tuple[int, ...]) -> list[str]:
+def _heat_and_home(settings: PrintSettings, hot: dict[int, float]) -> list[str]:
     """A heater that stays off is not waited for: GPX warns of it."""
-    hot = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
+    bed = bed_temperature(settings, 0)
     printer = settings.printer_profile
     level, down, touch = (f"F{feedrate:.0f}" for feedrate in printer.homing_mm_min)
-    warm_up = [f"M104 S{min(printer.warm_up_c, hot[tool]):.0f} T{tool}" for tool in sorted(tools)]
-    heat_up = [f"M104 S{hot[tool]:.0f} T{tool}" for tool in sorted(tools)]
+    warm_up = [f"M104 S{min(printer.warm_up_c, hot[tool]):.0f} T{tool}" for tool in sorted(hot)]
+    heat_up = [f"M104 S{hot[tool]:.0f} T{tool}" for tool in sorted(hot)]
     homing = [
         f"G162 X Y {level}",
         f"G161 Z {down}",
@@ -111,13 +112,13 @@ def _heat_and_home(settings: PrintSettings, tools: tuple[int, ...]) -> list[str]
     return [
         "M136",
         "M73 P0",
-        f"M109 S{settings.bed_temperature:.0f} T0",
+        f"M109 S{bed:.0f} T0",
         *warm_up,
         *homing,
         *wait_left_front,
-        *(["M134 T0"] if round(settings.bed_temperature) else []),
+        *(["M134 T0"] if round(bed) else []),
         *heat_up,
-        *(f"M133 T{tool}" for tool in sorted(tools) if round(hot[tool])),
+        *(f"M133 T{tool}" for tool in sorted(hot) if round(hot[tool])),
     ]
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..settings.temperatures import nozzle_temperature
 from ..statistics.breakdown import NOZZLE_C_PER_S
 from ..toolpaths.moves import Moves
 
@@ -58,29 +59,29 @@ def preheat_seconds(settings: PrintSettings) -> float:
 
 
 def standby_commands(
-    moves: Moves, seconds: FloatArray, settings: PrintSettings
+    moves: Moves, found: Standby, settings: PrintSettings
 ) -> tuple[dict[int, list[str]], dict[int, list[str]]]:
     """Commands of the idle nozzle: what stands before a row and its tool change, and what stands after the change.
 
     Args:
         moves: the print.
-        seconds: (M,) `statistics.move_seconds` of the moves.
+        found: when to cool and when to heat.
         settings: of the print.
 
     Returns:
         Lines by row: heating, and waiting for the nozzle where it is needed; cooling.
     """
-    hot = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
     marlin = settings.printer_profile.marlin is not None
-    found = standby(moves, seconds, settings)
     before: dict[int, list[str]] = {}
     after: dict[int, list[str]] = {}
     columns = (found.tool, found.cool, found.heat, found.use)
     for tool, cool, heat, use in zip(*(column.tolist() for column in columns), strict=True):
-        after[cool] = [f"M104 S{max(hot[tool] - settings.standby_temperature_delta, 0.0):.0f} T{tool}"]
+        warm = nozzle_temperature(settings, tool, int(moves.layer[cool])) - settings.standby_temperature_delta
+        after[cool] = [f"M104 S{max(warm, 0.0):.0f} T{tool}"]
         if use < len(moves.tool):
-            before.setdefault(heat, []).append(f"M104 S{hot[tool]:.0f} T{tool}")
-            wait = f"M109 S{hot[tool]:.0f} T{tool}" if marlin else f"M133 T{tool}"
+            hot = nozzle_temperature(settings, tool, int(moves.layer[use]))
+            before.setdefault(heat, []).append(f"M104 S{hot:.0f} T{tool}")
+            wait = f"M109 S{hot:.0f} T{tool}" if marlin else f"M133 T{tool}"
             before.setdefault(use, []).append(wait)
     return before, after
 

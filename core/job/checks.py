@@ -111,11 +111,13 @@ def check_temperatures(moves: Moves, settings: PrintSettings) -> None:
     hottest_nozzle, hottest_bed = settings.printer_profile.max_temperature_c
     is_first, strands = moves.tool == 0, moves.extrudes
     for tool in [tool for tool, own in enumerate((is_first, ~is_first)) if (own & strands).any()]:
-        name = f"nozzle_temperature_{tool}"
-        degrees = getattr(settings, name)
-        if not coldest_nozzle <= degrees <= hottest_nozzle:
-            hint = f"set it between {coldest_nozzle:g} and {hottest_nozzle:g} °C"
-            raise SettingsError(f"{name} = {degrees:g} °C cannot print", hint)
-    if settings.bed_temperature > hottest_bed:
-        hint = f"set it to {hottest_bed:g} °C at most"
-        raise SettingsError(f"bed_temperature = {settings.bed_temperature:g} °C is too hot", hint)
+        usual, first = f"nozzle_temperature_{tool}", f"first_layer_temperature_{tool}"
+        for name in (usual, first if getattr(settings, first) else usual):
+            degrees = getattr(settings, name)
+            if not coldest_nozzle <= degrees <= hottest_nozzle:
+                hint = f"set it between {coldest_nozzle:g} and {hottest_nozzle:g} °C"
+                raise SettingsError(f"{name} = {degrees:g} °C cannot print", hint)
+    for name in ("bed_temperature", "first_layer_bed_temperature"):
+        if getattr(settings, name) > hottest_bed:
+            hint = f"set it to {hottest_bed:g} °C at most"
+            raise SettingsError(f"{name} = {getattr(settings, name):g} °C is too hot", hint)

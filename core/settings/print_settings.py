@@ -266,6 +266,13 @@ class PrintSettings(Declared):
     filament_cost: float = _filament(25.0, "Price of the filament, in any currency", "per kg", 0.0, 10000.0)
     nozzle_temperature_0: float = _filament(230.0, "Temperature of tool 0", "°C", 0.0, 280.0)
     nozzle_temperature_1: float = _filament(230.0, "Temperature of tool 1", "°C", 0.0, 280.0)
+    first_layer_temperature_0: float = _filament(
+        0.0, "Temperature of tool 0 in the print's first layer; 0 is that of the others", "°C", 0.0, 280.0
+    )
+    first_layer_temperature_1: float = _filament(
+        0.0, "Temperature of tool 1 in the print's first layer, if it prints there; 0 is that of the others", "°C",
+        0.0, 280.0,
+    )  # fmt: skip
     standby_temperature_delta: float = _filament(
         0.0, "How much colder the idle nozzle waits; 0 keeps it hot", "°C", 0.0, 200.0
     )
@@ -274,6 +281,9 @@ class PrintSettings(Declared):
         0.0, 600.0,
     )  # fmt: skip
     bed_temperature: float = _filament(110.0, "Temperature of the bed", "°C", 0.0, 130.0)
+    first_layer_bed_temperature: float = _filament(
+        0.0, "Temperature of the bed during the print's first layer; 0 is that of the others", "°C", 0.0, 130.0
+    )
     fan_speed: float = _filament(
         0.0, "Fan that cools the print, on printers with Marlin or Klipper firmware; 0 is off", "%", 0.0, 100.0
     )

@@ -25,7 +25,8 @@ PRINTERS = Path(__file__).resolve().parent.parent.parent / "presets" / "printer"
 class MarlinCommands:
     """The commands of a printer with Marlin or Klipper firmware; others get MakerBot's dialect.
 
-    In the lines {bed}, {nozzle_0} and {nozzle_1} stand for temperatures, {tool} for the number of a tool.
+    In the lines {bed}, {nozzle_0} and {nozzle_1} stand for temperatures, at the start those of the first layer; {tool}
+    stands for the number of a tool.
 
     Attributes:
         origin: mm, X and Y of the bed's center in the printer's own coordinates.

@@ -10,6 +10,7 @@ import numpy as np
 from ..model import BoolArray, FloatArray
 from ..paths import Feature
 from ..settings import PrintSettings
+from ..settings.temperatures import bed_temperature, starting_temperatures
 from ..toolpaths.move_times import move_seconds
 from ..toolpaths.moves import Moves
 
@@ -55,9 +56,8 @@ def time_report(
 
 def heating_seconds(moves: Moves, settings: PrintSettings) -> float:
     """About how long the printer heats before it prints: the bed first, then all nozzles that are used at once."""
-    nozzles = (settings.nozzle_temperature_0, settings.nozzle_temperature_1)
-    hottest = max((nozzles[tool] for tool in np.flatnonzero(np.bincount(moves.tool))), default=0.0)
-    bed = max(settings.bed_temperature - ROOM_C, 0.0) / BED_C_PER_S
+    hottest = max(starting_temperatures(settings, moves.tool, moves.layer).values(), default=0.0)
+    bed = max(bed_temperature(settings, 0) - ROOM_C, 0.0) / BED_C_PER_S
     return bed + max(hottest - (settings.printer_profile.warm_up_c if bed > 0 else ROOM_C), 0.0) / NOZZLE_C_PER_S
 
 

@@ -117,8 +117,12 @@ def test_a_print_beside_the_bed_is_moved_not_scaled():
 
 @pytest.mark.parametrize("name", ["nozzle_temperature_0", "nozzle_temperature_1"])
 def test_nothing_is_pressed_through_a_cold_nozzle(name):
-    with pytest.raises(SettingsError, match=f"{name} = 100 °C cannot print: set it between 170 and 280 °C"):
-        check(rosette(2, 100), SETTINGS.changed({name: 100}))
+    for cold in (name, name.replace("nozzle", "first_layer")):
+        with pytest.raises(SettingsError, match=f"{cold} = 100 °C cannot print: set it between 170 and 280 °C"):
+            check(rosette(2, 100), SETTINGS.changed({cold: 100}))
+    bed = SETTINGS.changed({"printer": "marlin_dual", "bed_temperature": 100, "first_layer_bed_temperature": 125})
+    with pytest.raises(SettingsError, match="first_layer_bed_temperature = 125 °C is too hot"):
+        check(rosette(2, 100), bed)
     alone = rosette(1, 100)  # tool 1 stays unused and may stay cold
     check(alone, SETTINGS.changed({"nozzle_temperature_1": 0}))
     with pytest.raises(SettingsError, match="cannot print"):

@@ -57,6 +57,10 @@ PRINTS = {
     "noisy": (noisy(), SETTINGS),
     "zero": (through_the_origin(), SETTINGS),
     "right": (alone(0), SETTINGS),
+    "hotter first layer": (
+        rosette(4, 9),
+        SETTINGS.changed({"first_layer_temperature_0": 245, "first_layer_bed_temperature": 120}),
+    ),
     "left": (
         alone(1),
         SETTINGS.changed({"nozzle_temperature_1": 100, "bed_temperature": 0, "first_layer_height": 0.2}),
