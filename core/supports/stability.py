@@ -16,7 +16,8 @@ from ..slicing.regions import gathered
 from .grid_overlay import SIMPLIFY_MM, areas, once, thickness
 from .overhangs import Contacts
 
-# Columns that never get this large (mm²) carry bumps that hold without, unless something begins in the air there.
+# Columns that never get this large (mm²), what is too narrow to be printed left out, carry bumps and ledges that hold
+# without, unless something begins in the air there.
 _WORTHWHILE_MM2 = 3.0
 # Least thickness of a column, mm (the diameter of a round one), and the greatest ratio of height to thickness.
 _STABLE_MM = 4.0
@@ -24,6 +25,7 @@ _SLENDERNESS = 12.0
 _GROWTH_STEP_MM = 0.25  # so that columns of about one height grow alike
 # Nothing narrower than twice this, mm, is printed.
 _HALF_LEAST_WIDTH_MM = 0.3
+_NARROW_MM = 1.2  # strips narrower than this may be too narrow in part
 _ARC_SEGMENTS = 4
 _PAIRS_AT_ONCE = 1 << 20  # whose boxes are held in memory
 
@@ -41,8 +43,10 @@ def steady(found: Shapes, needed: Contacts, taken: Shapes, layer_height: float) 
     if not len(parts):
         return found
     column = _columns_of(parts, layer)
-    area = shapely.area(parts)
-    largest, thickest = _most(area, column), _most(thickness(parts), column)
+    thickest = _most(thickness(parts), column)
+    wide, narrow = parts.copy(), np.flatnonzero(thickest[column] < 2 * _NARROW_MM)
+    wide[narrow] = once(_opened, parts[narrow])
+    largest = _most(shapely.area(wide), column)
     island = np.zeros(len(largest), dtype=bool)
     island[column[_under(parts, layer, needed.islands, needed.island_layer)]] = True
     kept = (largest >= _WORTHWHILE_MM2) | island

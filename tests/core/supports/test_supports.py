@@ -119,6 +119,14 @@ def test_a_bump_that_holds_by_itself_gets_no_column(width, worth_it):
     assert bool(len(made.paths.layer)) == worth_it
 
 
+@pytest.mark.parametrize(("strip", "worth_it"), [(0.3, False), (1.0, True)])
+def test_a_long_ledge_that_hardly_clears_the_wall_gets_no_column(strip, worth_it):
+    """What a support has room for under it is a strip of 40 mm, however narrow; made to stand it would be 4 mm wide."""
+    wall, ledge = box((-20, -3, 0), (20, 3, 20)), box((-20, 2, 10), (20, 3 + CLEAR + 0.15 + strip, 13))
+    _, made = held(joined(wall, ledge))
+    assert bool(len(made.paths.layer)) == worth_it
+
+
 @pytest.mark.parametrize(("height", "thickness"), [(20, 4.0), (90, 7.5)])
 def test_a_tall_column_is_thicker(height, thickness):
     """Below a pin of 2 mm² that hangs from a roof: a twelfth of its height, 4 mm at least; the roof gets no support."""
