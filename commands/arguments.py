@@ -74,12 +74,12 @@ def assignment(text: str) -> tuple[str, str]:
     """KEY=VALUE as a pair.
 
     Raises:
-        argparse.ArgumentTypeError: there is no equals sign.
+        argparse.ArgumentTypeError: there is no equals sign, or nothing before it.
     """
-    key, equals, value = text.partition("=")
-    if not equals:
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not (key and equals):
         raise argparse.ArgumentTypeError(f"{text!r} is not KEY=VALUE")
-    return key.strip(), value.strip()
+    return key, value
 
 
 def positive(text: str) -> float:

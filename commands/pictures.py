@@ -41,9 +41,9 @@ def views(text: str) -> tuple[str, ...]:
     """Names of views with commas between them.
 
     Raises:
-        argparse.ArgumentTypeError: there is no such view.
+        argparse.ArgumentTypeError: there is no such view, or none is named.
     """
-    chosen = tuple(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+    chosen = tuple(dict.fromkeys(name.strip() for name in text.split(",")))
     for name in chosen:
         if name not in _NAMES:
             raise argparse.ArgumentTypeError(f"{name!r} is not one of {', '.join(_NAMES)}")

@@ -118,18 +118,19 @@ class OutputFiles:
 
     def __init__(self, paths: Iterable[Path]) -> None:
         self._staged: dict[Path, Path] = {}
-        seen: set[Path] = set()
+        seen: set[str] = set()
         for path in paths:
-            if path.resolve() in seen:
-                raise OutputError(f"{path} is named for two outputs", "give each its own name")
-            seen.add(path.resolve())
             _check_writable(path)
+            if os.path.realpath(path) in seen:
+                raise OutputError(f"{path} is named for two outputs", "give each its own name")
+            seen.add(os.path.realpath(path))
 
     def staged(self, path: Path) -> Path:
         """A temporary name in the same folder, with the same suffix, for the file that will become `path`."""
         target = Path(os.path.realpath(path))
         folder = Path(tempfile.gettempdir()) if _is_device(target) else target.parent
-        self._staged[target] = folder / f".dualcolor-{os.getpid()}-{path.stem}.part{path.suffix}"
+        number = len(self._staged)  # not the file's name, which may be as long as names can be
+        self._staged[target] = folder / f".dualcolor-{os.getpid()}-{number}.part{path.suffix}"
         return self._staged[target]
 
     def __enter__(self) -> OutputFiles:
@@ -198,9 +199,9 @@ def keep_inputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
     Raises:
         OutputError: one would.
     """
-    read = [path for path in inputs if path.is_file()]
+    read = [path for path in inputs if os.path.isfile(path)]  # a Path's own tests fail at names that are too long
     for output in outputs:
-        if output.is_file() and any(output.samefile(path) for path in read):
+        if os.path.isfile(output) and any(output.samefile(path) for path in read):
             raise OutputError(f"{output} is read by this job and would be lost", "write to another file")
 
 
@@ -220,16 +221,15 @@ def _put(part: Path, target: Path) -> None:
 
 
 def _check_writable(path: Path) -> None:
-    if path.is_dir():
-        raise OutputError(f"{path} cannot be written", "it is a folder")
-    if not path.parent.is_dir():
-        raise OutputError(f"{path} cannot be written", f"there is no folder {path.parent}")
-    if path.exists() and not os.access(path, os.W_OK):
-        raise OutputError(f"{path} cannot be written", "the file is write-protected")
-    if _is_device(path):
-        return
     try:
-        with tempfile.TemporaryFile(dir=Path(os.path.realpath(path)).parent):
-            pass
+        if path.is_dir():
+            raise OutputError(f"{path} cannot be written", "it is a folder")
+        if not path.parent.is_dir():
+            raise OutputError(f"{path} cannot be written", f"there is no folder {path.parent}")
+        if path.exists() and not os.access(path, os.W_OK):
+            raise OutputError(f"{path} cannot be written", "the file is write-protected")
+        if not _is_device(path):
+            with tempfile.TemporaryFile(dir=Path(os.path.realpath(path)).parent):
+                pass
     except OSError as failed:
         raise OutputError(f"{path} cannot be written", reason(failed)) from None

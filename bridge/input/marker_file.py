@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import bpy
@@ -27,7 +28,7 @@ def open_marker(name: str, model: bpy.types.Object, up: str = "", rotate_deg: An
     """
     path, scene = Path(name), bpy.context.scene
     scale = Matrix.Scale(model.get(SCALE_KEY, 1.0), 4)
-    if path.is_file():
+    if os.path.isfile(path):
         check_file(path, alone=False)
         units = scene.unit_settings
         kept = units.system, units.scale_length, units.length_unit

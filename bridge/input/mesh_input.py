@@ -154,7 +154,8 @@ def world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float)
     position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
     mesh.attributes["position"].data.foreach_get("vector", position)
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-    world: FloatArray = position.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    with np.errstate(invalid="ignore"):  # vertices at infinity are refused later
+        world: FloatArray = position.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     return world * mm
 
 

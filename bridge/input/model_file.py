@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -109,7 +110,7 @@ def check_file(path: Path, alone: bool) -> None:
         hint = _OTHER_KINDS.get(kind, f"known kinds are {', '.join(UP_AXIS)}")
         what = "is of a kind that cannot be read" if kind in _OTHER_MODELS else "is not a model file"
         raise PrintError(f"{path} {what}", hint)
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise PrintError(f"there is no file {path}")
     if not path.stat().st_size:
         raise MeshError(f"{path} is empty")
@@ -128,7 +129,8 @@ def _opened(
     chosen = [_named(path, found, name) for name in names] or printable(path, found, joined=imported)
     if imported or height_mm is not None or scale != 1 or turn != Matrix():
         groups = [[obj] for obj in chosen] if names else [chosen]
-        titles = [group[0].name if names or not imported else path.stem for group in groups]
+        stem = os.fsencode(path.stem).decode("utf-8", "replace")  # Blender's names are UTF-8, those of files anything
+        titles = [group[0].name if names or not imported else stem for group in groups]
         chosen = [baked(group, turn, title) for group, title in zip(groups, titles, strict=True)]
     if height_mm is not None:
         scale = height_mm / _height(path, chosen)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import bpy
@@ -40,7 +41,7 @@ def painted_visibility(
     if image := bpy.data.images.get(name):
         return None, image_tone(image)
     path = Path(bpy.path.abspath(name))
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise SettingsError(
             f"{obj.name} has no vertex group {name:.60}, and there is no such image",
             "clear seam_visibility, or name a vertex group, an image or a picture file",

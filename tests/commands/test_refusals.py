@@ -28,6 +28,17 @@ def test_coordinates_that_are_no_numbers_are_refused(tmp_path, refused):
     assert "finite" in refused("print", tmp_path / "box.blend", "--height-mm", 10)
 
 
+def test_names_that_are_too_long_are_refused(box, refused):
+    name = "n" * 300
+    assert "there is no file" in refused("print", f"{name}.obj")
+    assert "its name is too long" in refused("print", box, "--gcode", name)
+    assert "there is no file" in refused("print", box, "--support-enforcer", name)
+    assert "cannot be read" in refused("print", box, "--settings", name)
+    assert "cannot be read" in refused("print", box, "--texture", name)
+    painted = ["--unwrap", "smart", "--set", f"seam_visibility={name}"]
+    assert "there is no such image" in refused("print", box, *painted)
+
+
 def test_bad_pictures_are_refused(box, tmp_path, refused):
     picture = tmp_path / "picture.png"
     assert "cannot be read" in refused("print", box, "--texture", picture)

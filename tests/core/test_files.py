@@ -4,7 +4,7 @@ import os
 
 import pytest
 from dualcolor.core.errors import OutputError
-from dualcolor.core.files import OutputFiles, write_file
+from dualcolor.core.files import OutputFiles, keep_inputs, write_file
 
 
 def test_new_and_replaced(tmp_path):
@@ -84,6 +84,30 @@ def test_devices_are_written_to_not_replaced(tmp_path):
     with OutputFiles([null]) as files:
         files.staged(null).write_text("gone")
     assert null.is_char_device()
+
+
+def test_a_name_may_be_as_long_as_the_folder_allows(tmp_path):
+    path = tmp_path / f"{'n' * 251}.x3g"
+    path.touch()
+    with OutputFiles([path]) as files:
+        write_file(files.staged(path), b"data")
+    assert path.read_bytes() == b"data"
+    keep_inputs([path], [tmp_path / ("n" * 256)])
+    with pytest.raises(OutputError, match="its name is too long"):
+        OutputFiles([tmp_path / ("n" * 256)])
+    with pytest.raises(OutputError, match="two outputs"):
+        OutputFiles([path, tmp_path / "." / path.name])
+
+
+def test_a_folder_that_is_gone_is_told(tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    try:
+        (tmp_path / "gone").rmdir()
+    except OSError:
+        pytest.skip("folders in use cannot be removed here")
+    with pytest.raises(OutputError, match="its folder does not exist"):
+        OutputFiles([type(tmp_path)("a.gcode")])
 
 
 def test_files_appear_together_or_not_at_all(tmp_path):
