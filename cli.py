@@ -11,7 +11,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Protocol
 
-from .commands import analyse, audit, build_table, demo, measure, plate, read_photo, render, tile
+from .commands import analyze, audit, build_table, demo, measure, plate, read_photo, render, tile
 from .commands import print as print_command
 from .commands.terminal import file_size
 from .core.errors import PrintError
@@ -45,7 +45,7 @@ COMMANDS: tuple[Command, ...] = (
     demo,
     render,
     plate,
-    analyse,
+    analyze,
     audit,
     measure,
     build_table,

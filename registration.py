@@ -11,7 +11,7 @@ from .bridge import properties, results
 from .bridge.proof import soft_proof
 from .bridge.strands import former_looks, scrubber
 from .operators import add
-from .operators.analyse import OPERATORS as ANALYSE_OPERATORS
+from .operators.analyze import OPERATORS as ANALYZE_OPERATORS
 from .operators.calibrate import OPERATORS as CALIBRATE_OPERATORS
 from .operators.calibrate import draw_image_entry
 from .operators.check_model import OPERATORS as CHECK_OPERATORS
@@ -49,7 +49,7 @@ CLASSES = (
     *add.CLASSES,
     DUALCOLOR_OT_scale_to_height,
     *CHECK_OPERATORS,
-    *ANALYSE_OPERATORS,
+    *ANALYZE_OPERATORS,
     *ORIENTATION_OPERATORS,
     *UNWRAP_OPERATORS,
     *PAINTING_OPERATORS,

@@ -23,7 +23,7 @@ import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from dualcolor.bridge.measuring.instrument import Face, photograph  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
-from dualcolor.core.analysis.study import Analysis, analyse  # noqa: E402
+from dualcolor.core.analysis.study import Analysis, analyze  # noqa: E402
 from dualcolor.core.analysis.surface_curves import surface_points  # noqa: E402
 from dualcolor.core.contours.slant import slant_along  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402
@@ -65,7 +65,7 @@ def main() -> int:
     model = obj_model(args.mesh, args.height_mm) if args.mesh else vase()
     plain = PrintSettings().changed({**preset_values(["paper"]), "calibration": "none"})
     ours = plain.changed({"sampling": "optimized"})
-    before, after = worst(analyse(model, plain)), worst(analyse(model, ours))
+    before, after = worst(analyze(model, plain)), worst(analyze(model, ours))
     bpy.ops.wm.read_factory_settings(use_empty=True)
     views = [("the paper's sampling", plain, before), ("optimized, same place", ours, before)]
     views.append(("optimized, its most visible seam", ours, after))

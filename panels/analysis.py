@@ -10,7 +10,7 @@ import bpy
 from ..bridge.analysis.orientations import orientations_of
 from ..bridge.analysis.overlays import COLOR_KEY, analysis_of, overlays_in, overlays_of
 from ..bridge.strands.preview import source_of
-from ..operators.analyse import DUALCOLOR_OT_analyse, DUALCOLOR_OT_remove_analysis
+from ..operators.analyze import DUALCOLOR_OT_analyze, DUALCOLOR_OT_remove_analysis
 from ..operators.orientation import DUALCOLOR_OT_apply_orientation, DUALCOLOR_OT_suggest_orientation
 from .rows import draw_figures, draw_outdated, draw_progress, draw_sentence
 from .scrubber import swatch
@@ -28,8 +28,8 @@ class DUALCOLOR_PT_analysis(ObjectPanel, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """The button, figures, the legend."""
         obj, layout = source_of(context.object), self.layout
-        layout.operator(DUALCOLOR_OT_analyse.bl_idname, icon="VIEWZOOM")
-        draw_progress(layout, DUALCOLOR_OT_analyse)
+        layout.operator(DUALCOLOR_OT_analyze.bl_idname, icon="VIEWZOOM")
+        draw_progress(layout, DUALCOLOR_OT_analyze)
         report = analysis_of(obj)
         if not report:
             return

@@ -65,10 +65,10 @@ class Analysis:
     warnings: list[str]
 
 
-def analyse(
+def analyze(
     model: SurfaceModel, settings: PrintSettings, on_progress: Callable[[float, str], None] | None = None
 ) -> Analysis:
-    """Analyse a model; `on_progress` is called with the share done and the name of what comes next.
+    """Analyze a model; `on_progress` is called with the share done and the name of what comes next.
 
     Raises:
         PrintError: the input cannot be printed.

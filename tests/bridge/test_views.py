@@ -151,7 +151,7 @@ def test_arguments(capsys):
 
 @pytest.mark.parametrize("text", ["nan", "inf", "north"])
 def test_an_azimuth_is_a_number_of_degrees(text, capsys):
-    for command in ("print", "render", "analyse"):
+    for command in ("print", "render", "analyze"):
         with pytest.raises(SystemExit):
             cli.make_parser().parse_args([command, "m.obj", "--azimuth", text])
         assert f"'{text}' is not an angle" in capsys.readouterr().err

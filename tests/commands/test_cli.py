@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 from dualcolor import cli
-from dualcolor.commands import analyse
+from dualcolor.commands import analyze
 from dualcolor.tests.commands.models import FAST
 from dualcolor.tests.gpx import convert
 from PIL import Image
@@ -64,11 +64,11 @@ def test_texture_and_unwrap_give_tones(box, tmp_path, capfd):
 
 @pytest.mark.parametrize("height", [[], ["--height-mm", "36"]])
 def test_suggested_orientations_can_be_printed(tmp_path, capfd, height):
-    """A wedge: the options that `analyse` gives turn it into what was promised."""
+    """A wedge: the options that `analyze` gives turn it into what was promised."""
     wedge = tmp_path / "wedge.obj"
     wedge.write_text("v 0 0 0\nv 30 0 0\nv 0 0 18\nv 0 24 0\nv 30 24 0\nv 0 24 18\n"
                      "f 1 3 2\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n")  # fmt: skip
-    assert cli.main(["analyse", str(wedge), "--up", "z", *FAST, "--rotate-z", "20", *height]) == 0
+    assert cli.main(["analyze", str(wedge), "--up", "z", *FAST, "--rotate-z", "20", *height]) == 0
     found = [line for line in capfd.readouterr().out.splitlines() if line.startswith("orientation ")]
     assert sum(line.endswith(": as it stands") for line in found) <= 1 and len(found) == 3
     turned = [line for line in found if "--rotate" in line]
@@ -92,7 +92,7 @@ def test_suggested_orientations_can_be_printed(tmp_path, capfd, height):
 )
 def test_to_turn_a_model_back_takes_an_option_too(given, up, options):
     """What was turned by 90° about X has its former top at -Y."""
-    assert analyse.turning_options(up, cli.make_parser().parse_args(["analyse", "wedge.obj", *given])) == options
+    assert analyze.turning_options(up, cli.make_parser().parse_args(["analyze", "wedge.obj", *given])) == options
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are Unicode elsewhere")
@@ -183,7 +183,7 @@ def test_the_version_is_that_of_the_extension(capfd):
         ["print", "x.obj", "--gcode", "x.x3g"],
         ["print", "x.obj", "--x3g", "x.gcode"],
         ["plate", "x.png", "--samples", "1000000000"],
-        ["analyse", "x.obj", "--pixels", "5"],
+        ["analyze", "x.obj", "--pixels", "5"],
         ["print", "x.obj", "--rotate-x", "inf"],
         ["print", "x.obj", "--render", "x.png", "--pixels", "5000"],
         ["print", "x.obj", "--scale", "2", "--height-mm", "20"],

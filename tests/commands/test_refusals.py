@@ -69,7 +69,7 @@ def test_unwritable_outputs_are_refused_before_the_work(box, tmp_path, refused, 
     assert "it is a folder" in refused("print", box, "--report", report, "--gcode", tmp_path)
     assert "two outputs" in refused("print", box, "--report", report, "--gcode", report)
     assert "cannot be made: a file has that name" in refused("demo", "--out", box)
-    assert "take, but not of what" in refused("analyse", box, "--views", "front")
+    assert "take, but not of what" in refused("analyze", box, "--views", "front")
 
 
 @pytest.mark.parametrize("kind", ["--gcode", "--report", "--save-settings", "--mesh"])

@@ -1,4 +1,4 @@
-"""Analyse Pattern, Suggest Orientation and the command `analyse`, as users run them."""
+"""Analyze Pattern, Suggest Orientation and the command `analyze`, as users run them."""
 
 import json
 from types import SimpleNamespace
@@ -79,7 +79,7 @@ def shown(collection):
 
 
 def test_overlays_stand_on_the_object_and_are_replaced(cone):
-    assert bpy.ops.dualcolor.analyse() == {"FINISHED"}
+    assert bpy.ops.dualcolor.analyze() == {"FINISHED"}
     collection = overlays_of(cone)
     overlays = shown(collection)
     assert {"Tracelines", "Deaths", "Seam Error from 4", "Below 20° from Flat"} <= set(overlays)
@@ -92,7 +92,7 @@ def test_overlays_stand_on_the_object_and_are_replaced(cone):
     assert np.ptp(world[:, 2]) == pytest.approx(7.75, abs=0.01)
     overlays["Deaths"].hide_viewport = True
     before = len(bpy.data.objects), len(bpy.data.meshes), len(bpy.data.hair_curves), len(bpy.data.collections)
-    assert bpy.ops.dualcolor.analyse() == {"FINISHED"}
+    assert bpy.ops.dualcolor.analyze() == {"FINISHED"}
     assert before == (
         len(bpy.data.objects), len(bpy.data.meshes), len(bpy.data.hair_curves), len(bpy.data.collections)
     )  # fmt: skip
@@ -101,19 +101,19 @@ def test_overlays_stand_on_the_object_and_are_replaced(cone):
 
 
 def test_what_the_user_puts_among_the_overlays_stays(cone):
-    bpy.ops.dualcolor.analyse()
+    bpy.ops.dualcolor.analyze()
     held = overlays_of(cone)
     held.objects.link(lamp := bpy.data.objects.new("Lamp", None))
     texts = drawn(DUALCOLOR_PT_analysis, cone).texts
     assert "Lamp" not in texts and "Tracelines" in texts
-    bpy.ops.dualcolor.analyse()
+    bpy.ops.dualcolor.analyze()
     assert overlays_of(cone) == held and lamp.name in held.objects
     assert bpy.ops.dualcolor.remove_analysis() == {"FINISHED"}
     assert overlays_of(cone) is None and held.objects[:] == [lamp]
 
 
 def test_figures_match_the_report_and_go_with_the_overlays(cone):
-    bpy.ops.dualcolor.analyse()
+    bpy.ops.dualcolor.analyze()
     report = analysis_of(cone)
     rows = dict(analysis_figures(report))
     assert rows["Births, Deaths"] == f"0, {report['tracelines']['deaths']}"
@@ -130,7 +130,7 @@ def test_figures_match_the_report_and_go_with_the_overlays(cone):
 
 def test_offset_shows_slopes_only(cone):
     cone.dualcolor.pattern = "offset"
-    bpy.ops.dualcolor.analyse()
+    bpy.ops.dualcolor.analyze()
     assert "Tracelines" not in shown(overlays_of(cone)) and analysis_of(cone)["warnings"]
     assert "Below 20° from Flat" in shown(overlays_of(cone))
 
@@ -172,7 +172,7 @@ def test_command_writes_figures_and_pictures(wedge, tmp_path, capfd):
     names = {kind: tmp_path / f"{kind}.png" for kind in ("heatmap", "tracelines", "slopes")}
     options = [word for kind, path in names.items() for word in (f"--{kind}", str(path))]
     status = cli.main([
-        "analyse", str(wedge), "--up", "z", "--preset", "paper", "--views", "front,left", "--pixels", "120",
+        "analyze", str(wedge), "--up", "z", "--preset", "paper", "--views", "front,left", "--pixels", "120",
         "--report", str(tmp_path / "r.json"), *options,
     ])  # fmt: skip
     assert status == 0
@@ -189,6 +189,6 @@ def test_command_writes_figures_and_pictures(wedge, tmp_path, capfd):
 
 
 def test_command_refuses_a_heatmap_without_waves(wedge, tmp_path, capfd):
-    assert cli.main(["analyse", str(wedge), "--up", "z", "--heatmap", str(tmp_path / "h.png")]) == 1
+    assert cli.main(["analyze", str(wedge), "--up", "z", "--heatmap", str(tmp_path / "h.png")]) == 1
     assert "no waves" in capfd.readouterr().err and not list(tmp_path.glob("*.png"))
-    assert cli.main(["analyse", str(wedge), "--up", "z"]) == 0
+    assert cli.main(["analyze", str(wedge), "--up", "z"]) == 0

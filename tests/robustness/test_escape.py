@@ -10,7 +10,7 @@ import pytest
 
 from launcher import ROOT
 
-JOBS = ("generate", "export_gcode", "export_x3g", "analyse", "suggest_orientation", "check_model", "select_finding",
+JOBS = ("generate", "export_gcode", "export_x3g", "analyze", "suggest_orientation", "check_model", "select_finding",
         "bake_occlusion", "unwrap_xatlas")  # fmt: skip
 
 

@@ -5,7 +5,7 @@ import pytest
 from dualcolor.core.analysis.figures import heatmap, slope_picture, traceline_picture
 from dualcolor.core.analysis.orientation import directions, suggested, upright
 from dualcolor.core.analysis.picture import Stroke, dots, draw
-from dualcolor.core.analysis.study import NO_SEAMS, analyse, faded_share
+from dualcolor.core.analysis.study import NO_SEAMS, analyze, faded_share
 from dualcolor.core.analysis.surface_curves import (
     BIRTH_COLOR,
     HEAT_COLORS,
@@ -34,13 +34,13 @@ FRONT = (0.0, 0.0)
 
 @pytest.fixture(scope="module")
 def tube():
-    return analyse(cylinder(radius=10, height=5), WAVE)
+    return analyze(cylinder(radius=10, height=5), WAVE)
 
 
 @pytest.fixture(scope="module")
 def funnel():
     """45° steep, wider at the top."""
-    return analyse(lathe([[5, 0], [10, 5]]), WAVE)
+    return analyze(lathe([[5, 0], [10, 5]]), WAVE)
 
 
 def plate(tones, turn=None, size=(40.0, 40.0, 4.0)):
@@ -93,7 +93,7 @@ def test_births_and_deaths_make_up_for_what_a_funnel_gains(funnel):
     report = funnel.report["tracelines"]
     assert report["births"] - report["deaths"] == count[-1] - count[0] > 10
     assert report["tracelines"] == count[0] + report["births"]
-    upside_down = analyse(lathe([[10, 0], [5, 5]]), WAVE).report["tracelines"]
+    upside_down = analyze(lathe([[10, 0], [5, 5]]), WAVE).report["tracelines"]
     assert upside_down["deaths"] > 10 and upside_down["longest_layers"] == len(funnel.layers)
 
 
@@ -120,7 +120,7 @@ def test_lines_go_on_over_less_than_half_a_wavelength(tube):
 
 def test_what_begins_on_nothing_is_no_birth():
     """A mushroom: the rim of its hat hangs in the air, so its lines begin there, but none is born."""
-    found = analyse(lathe([[4, 0], [4, 3], [10, 3], [10, 6]]), WAVE)
+    found = analyze(lathe([[4, 0], [4, 3], [10, 3], [10, 6]]), WAVE)
     report = found.report["tracelines"]
     count = np.bincount(found.lines.layer[found.samples.loop])
     assert report["births"] == report["deaths"] == 0
@@ -160,7 +160,7 @@ def test_curves_cover_what_is_shown_and_nothing_else(tube):
 
 
 def test_offset_says_that_it_has_no_seams():
-    found = analyse(cylinder(height=2), PrintSettings())
+    found = analyze(cylinder(height=2), PrintSettings())
     assert found.errors is None and found.traced is None and found.warnings == [NO_SEAMS]
     assert found.report["pattern"] is None and found.report["orientations"]
     with pytest.raises(PrintError, match="no waves"):
@@ -170,7 +170,7 @@ def test_offset_says_that_it_has_no_seams():
 
 def test_waves_fade_where_walls_are_thin_only():
     thick, thin = (
-        analyse(box((0, 0, 0), (20, depth, 3)), WAVE).report["faded"]["share"] for depth in (20.0, 1.0)
+        analyze(box((0, 0, 0), (20, depth, 3)), WAVE).report["faded"]["share"] for depth in (20.0, 1.0)
     )  # fmt: skip
     # Around its corners the block has less room too.
     assert thick < 0.04 and thin > 0.9

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core.analysis.study import analyse
+from dualcolor.core.analysis.study import analyze
 from dualcolor.core.contours.contours import contours
 from dualcolor.core.errors import SettingsError, TextureError
 from dualcolor.core.job.stage_cache import StageCache
@@ -161,7 +161,7 @@ def test_what_is_said_for_nothing_is_warned_of():
         }.items()
     }
     assert "no waves" in warned["offset"][0] and "paper" in warned["paper"][0] and not warned["fine"]
-    assert "salient_seen" in analyse(model, WAVES.changed({"front": True})).report["pattern"]
+    assert "salient_seen" in analyze(model, WAVES.changed({"front": True})).report["pattern"]
 
 
 def test_a_plate_keeps_what_each_object_says():

@@ -1,4 +1,4 @@
-"""Analyse Pattern, and remove its overlays."""
+"""Analyze Pattern, and remove its overlays."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .polls import has_printable
 from .viewing import show_in_local_views
 
 
-class DUALCOLOR_OT_analyse(JobOperator, bpy.types.Operator):
+class DUALCOLOR_OT_analyze(JobOperator, bpy.types.Operator):
     """Show the pattern's seams, its tracelines and slopes too flat for tones on the object"""
 
-    bl_idname = "dualcolor.analyse"
-    bl_label = "Analyse Pattern"
+    bl_idname = "dualcolor.analyze"
+    bl_label = "Analyze Pattern"
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
 
     @classmethod
@@ -27,7 +27,7 @@ class DUALCOLOR_OT_analyse(JobOperator, bpy.types.Operator):
         return has_printable(cls, context)
 
     def steps(self, context: bpy.types.Context) -> Steps:
-        """Analyse the active object alone."""
+        """Analyze the active object alone."""
         yield 0.0, "reading the object"
         obj, model, settings = active_model(context)
         found = yield from analysis_steps(model, settings)
@@ -51,7 +51,7 @@ class DUALCOLOR_OT_remove_analysis(bpy.types.Operator):
         """An analysis is needed."""
         obj = source_of(context.object)
         if obj is None or overlays_of(obj) is None:
-            cls.poll_message_set("Nothing is analysed yet")
+            cls.poll_message_set("Nothing is analyzed yet")
             return False
         return True
 
@@ -61,4 +61,4 @@ class DUALCOLOR_OT_remove_analysis(bpy.types.Operator):
         return {"FINISHED"}
 
 
-OPERATORS = (DUALCOLOR_OT_analyse, DUALCOLOR_OT_remove_analysis)
+OPERATORS = (DUALCOLOR_OT_analyze, DUALCOLOR_OT_remove_analysis)

@@ -1,4 +1,4 @@
-"""`dualcolor analyse`: shows the pattern's seams, tracelines and slopes without printing anything."""
+"""`dualcolor analyze`: shows the pattern's seams, tracelines and slopes without printing anything."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from ..core.analysis.study import Analysis
 
-NAME = "analyse"
+NAME = "analyze"
 HELP = "show seams, tracelines and slopes of the pattern, and which way up is best"
 PICTURES = ("heatmap", "tracelines", "slopes")
 _UPRIGHT = 1e-6  # by which the cosine of a direction that counts as upright may be less than 1
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("model", type=Path, nargs="?", metavar="MODEL", help=".blend, .obj, .stl, .ply, .glb or .gltf "
                         "file (default: the program's own sample)")  # fmt: skip
-    parser.add_argument("--object", default="", metavar="NAME", help="object to analyse (default: all meshes of an "
+    parser.add_argument("--object", default="", metavar="NAME", help="object to analyze (default: all meshes of an "
                         "imported file as one, the active mesh of a .blend)")  # fmt: skip
     add_stand(parser)
     add_settings(parser)
@@ -76,7 +76,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
 
 
 def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
-    """Open the model, analyse it, draw it, and say what was found.
+    """Open the model, analyze it, draw it, and say what was found.
 
     Raises:
         PrintError: the input cannot be printed, or its pattern has no seams to draw.
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         "heatmap": figures.heatmap, "tracelines": figures.traceline_picture, "slopes": figures.slope_picture
     }  # fmt: skip
     with quiet_stdout(), Progress() as progress:
-        found = _analysed(args, settings, progress)
+        found = _analyzed(args, settings, progress)
         for number, (kind, path) in enumerate(paths.items()):
             if kind == "report":
                 text = json.dumps(found.report, indent=2, allow_nan=False) + "\n"
@@ -144,7 +144,7 @@ def _orientations(found: Analysis, args: argparse.Namespace) -> list[str]:
 
 
 def turning_options(up: tuple[float, float, float], args: argparse.Namespace) -> list[str]:
-    """Options that turn the model until a direction of the analysed one points up; none if it does so already."""
+    """Options that turn the model until a direction of the analyzed one points up; none if it does so already."""
     from mathutils import Matrix
 
     from ..bridge.input.model_file import rotation as matrix
@@ -159,17 +159,17 @@ def turning_options(up: tuple[float, float, float], args: argparse.Namespace) ->
     return options or (["--rotate-x 0"] if any(rotation(args)) else [])
 
 
-def _analysed(args: argparse.Namespace, settings: PrintSettings, progress: Progress) -> Analysis:
+def _analyzed(args: argparse.Namespace, settings: PrintSettings, progress: Progress) -> Analysis:
     import bpy
 
     from ..bridge.input.image_input import load_image
     from ..bridge.input.plate import plate_model
-    from ..core.analysis.study import analyse
+    from ..core.analysis.study import analyze
 
     obj = _opened(args)
     image = load_image(args.texture) if args.texture else None
     model = plate_model([obj], bpy.context.evaluated_depsgraph_get(), settings, [image])
-    return analyse(model, settings, progress.show)
+    return analyze(model, settings, progress.show)
 
 
 def _opened(args: argparse.Namespace) -> bpy.types.Object:
