@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,8 @@ HeatingCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
 WIDTH_STEP = 0.002
 """mm, resolution of the widths in comments."""
 
-_PROGRESS = b"M73 P?\n"
-"""Stands at each layer for its progress until the times are known."""
+PROGRESS = b"\1\n"
+"""A line, at each layer, that stands for its progress until the times are known; no other line has this sign."""
 
 _FEATURE_COMMENTS = [f"; {feature.name.lower().replace('_', ' ')}\n".encode("ascii") for feature in Feature]
 
@@ -96,24 +97,20 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
     content = untimed_program(moves, settings)
     if begins is None:
         begins = layer_begins(moves, move_seconds(moves, settings.printer_profile))
-    return with_progress(content, begins)
+    lines = iter(progress_lines(begins))
+    insertions = [text.replace(PROGRESS, next(lines)) if PROGRESS in text else text for text in content.insertions]
+    return replace(content, insertions=insertions)
 
 
-def with_progress(content: Program, begins: FloatArray) -> Program:
-    """The program with the share of the time that has passed, wherever a layer begins with a greater one.
+def progress_lines(begins: FloatArray) -> list[bytes]:
+    """By layer, the line with the share of the time that has passed when it begins; empty where that is no greater.
 
     Args:
-        content: see `untimed_program`.
         begins: s that pass before each layer, and the total.
     """
-    insertions = list(content.insertions)
-    marked = [number for number, text in enumerate(insertions) if _PROGRESS in text]
-    shown = 0
-    for number, percent in zip(marked, _percents(begins), strict=True):
-        line = b"M73 P%d\n" % percent if percent > shown else b""
-        insertions[number] = insertions[number].replace(_PROGRESS, line)
-        shown = max(shown, percent)
-    return replace(content, insertions=insertions)
+    share = begins[:-1] / begins[-1] if begins[-1] > 0 else begins[:-1]
+    percents = (share * 100).astype(np.int64).clip(0, 99).tolist()  # a print is never done before its end
+    return [b"M73 P%d\n" % percent if percent > before else b"" for before, percent in pairwise([0, *percents])]
 
 
 def untimed_program(moves: Moves, settings: PrintSettings) -> Program:
@@ -277,7 +274,7 @@ def _insertions(
         new_layer, layer, new_tool, tool, new_feature = values
         lines = list(heating[0].get(row, []))
         if new_layer:
-            lines += [f"; layer {layer}", _PROGRESS[:-1].decode()]
+            lines += [f"; layer {layer}", PROGRESS[:-1].decode()]
         lines += tool_change_lines(tool, printer) if new_tool else []
         lines += heating[1].get(row, [])
         insertions[number] = joined(lines) + insertions[number] * new_feature
@@ -301,10 +298,3 @@ def _width_changes(moves: Moves, strands: IntArray, usual: float) -> tuple[IntAr
 def joined(lines: list[str]) -> bytes:
     """Lines as text, with the last one's end."""
     return "\n".join([*lines, ""]).encode("ascii")
-
-
-def _percents(begins: FloatArray) -> list[int]:
-    """The share of the time that has passed when each layer begins; a print is never done before its end."""
-    share = begins[:-1] / begins[-1] if begins[-1] > 0 else begins[:-1]
-    percents: list[int] = (share * 100).astype(np.int64).clip(0, 99).tolist()
-    return percents

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -14,17 +14,16 @@ from ..settings.header_text import written
 from ..toolpaths.move_times import layer_begins, move_seconds
 from ..toolpaths.moves import Moves
 from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word
-from .program import WIDTH_STEP, Lines, Program, joined, untimed_program, with_progress
+from .program import PROGRESS, WIDTH_STEP, Lines, Program, joined, progress_lines, untimed_program
 
 _CHUNK_ROWS = 1 << 13  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900
 _STEPS_A_MM = 100_000  # of filament
 _G1, _Z = word("G1"), word(" Z")
 # Letters with a blank, and the numbers after them; the letter of `whole` stands in its table.
-_SIZES = {"cut": 1, "G1": 4, "x": 8, "Y": 2, "y": 8, "Z": 2, "z": 8, "whole": 8, "fraction": 8, "end": 8}
+_SIZES = {"G1": 4, "x": 8, "Y": 2, "y": 8, "Z": 2, "z": 8, "whole": 8, "fraction": 8, "end": 8}
 _LINE = np.dtype([(name, f"u{size}") for name, size in _SIZES.items()])
-_USUAL_LINE = bytearray(np.array([(0, word("G1 X"), 0, word(" Y"), 0, 0, 0, 0, 0, word("\n"))], dtype=_LINE).tobytes())
-_CUT = b"\1"  # stands before lines that are to be cut there
+_USUAL_LINE = bytearray(np.array([(word("G1 X"), 0, word(" Y"), 0, 0, 0, 0, 0, word("\n"))], dtype=_LINE).tobytes())
 
 
 @dataclass(frozen=True)
@@ -50,11 +49,11 @@ class BegunText:
 
     Attributes:
         content: the program, see `untimed_program`.
-        chunks: text of its lines, some thousand at a time, cut wherever anything else stands between them.
+        chunks: text of its lines and of what stands between them, some thousand lines at a time.
     """
 
     content: Program
-    chunks: list[list[bytearray]]
+    chunks: list[bytes]
 
 
 def begin_text(moves: Moves, settings: PrintSettings) -> BegunText:
@@ -65,10 +64,15 @@ def begin_text(moves: Moves, settings: PrintSettings) -> BegunText:
     """
     content = untimed_program(moves, settings)
     tables = _tables(content.lines, settings.printer_profile.tool_axes)
-    cuts, count = np.union1d(content.places, content.width_places), len(content.lines.tool)
-    chunks = [slice(row, min(row + _CHUNK_ROWS, count)) for row in range(0, count, _CHUNK_ROWS)]
+    places, texts = _with_widths(content)
+    bounds = [*range(0, len(content.lines.tool), _CHUNK_ROWS), len(content.lines.tool)]
+    ends = np.searchsorted(places, bounds[1:-1]).tolist()
     # More threads would only wait for each other: half of it is done by Python's own bytes.
-    return BegunText(content, [_rendered(content.lines, tables, cuts, rows).split(_CUT) for rows in chunks])
+    chunks = [
+        _rendered(content.lines, tables, slice(*rows), places[slice(*own)], texts[slice(*own)])
+        for rows, own in zip(pairwise(bounds), pairwise([0, *ends, len(texts)]), strict=True)
+    ]
+    return BegunText(content, chunks)
 
 
 def counted_text(
@@ -93,11 +97,10 @@ def counted_text(
     begun = begun or begin_text(moves, settings)
     if begins is None:
         begins = layer_begins(moves, move_seconds(moves, settings.printer_profile))
-    content = with_progress(begun.content, begins)
-    body = _body(begun.chunks, *_with_widths(content))
+    content = begun.content
     first, last = joined(_header_lines(settings, header) + content.start), joined(content.end)
     others = b"".join([b"\n", first, *content.insertions, last]).count(b"\nG1 ")
-    return b"".join([first, *body, last]), len(content.lines.tool) + others
+    return b"".join([first, *_with_progress(begun.chunks, begins), last]), len(content.lines.tool) + others
 
 
 def _with_widths(content: Program) -> tuple[IntArray, list[bytes]]:
@@ -110,16 +113,16 @@ def _with_widths(content: Program) -> tuple[IntArray, list[bytes]]:
     return places[order], [texts[number] for number in order.tolist()]
 
 
-def _body(chunks: list[list[bytearray]], places: IntArray, texts: list[bytes]) -> list[bytes | bytearray]:
-    """The lines as text with the other texts between them, in pieces."""
-    begin_end = pairwise([*np.unique(places, return_index=True)[1].tolist(), len(texts)])
-    inserted = (b"".join(texts[begin:end]) for begin, end in begin_end)
-    pieces: list[bytes | bytearray] = []
-    for first_piece, *others in chunks:
-        pieces.append(first_piece)
-        for piece in others:
-            pieces += [next(inserted), piece]
-    return [*pieces, *inserted]
+def _with_progress(chunks: list[bytes], begins: FloatArray) -> Iterator[bytes | memoryview]:
+    """The chunks in pieces, without copies, with their `PROGRESS` replaced."""
+    lines = iter(progress_lines(begins))
+    for text in chunks:
+        begin, end = 0, text.find(PROGRESS[0])
+        while end >= 0:
+            yield from (memoryview(text)[begin:end], next(lines))
+            begin = end + len(PROGRESS)
+            end = text.find(PROGRESS[0], begin)
+        yield memoryview(text)[begin:]
 
 
 def _tables(lines: Lines, axes: Sequence[str]) -> _Tables:
@@ -131,11 +134,17 @@ def _tables(lines: Lines, axes: Sequence[str]) -> _Tables:
     )
 
 
-def _rendered(lines: Lines, tables: _Tables, cuts: IntArray, rows: slice) -> bytearray:
+def _rendered(lines: Lines, tables: _Tables, rows: slice, places: IntArray, texts: list[bytes]) -> bytes:
     """Some lines as text: each is a row of words, from which zero bytes are deleted.
 
-    Words that most lines have are written into all lines and then taken out of the others. Before the lines `cuts`
-    (C,), ascending, stands a mark at which the text is split later.
+    Words that most lines have are written into all lines and then taken out of the others.
+
+    Args:
+        lines: of the print.
+        tables: the texts of their numbers.
+        rows: which of them.
+        places: (I,) int64, ascending, before which lines other texts stand.
+        texts: I of these.
     """
     padded: bytearray = _USUAL_LINE * (rows.stop - rows.start)
     text = np.frombuffer(padded, dtype=_LINE)
@@ -152,9 +161,12 @@ def _rendered(lines: Lines, tables: _Tables, cuts: IntArray, rows: slice) -> byt
     text["Z"][row], text["z"][row] = _Z, tables.coordinate.take(thousandths[row, 2] + tables.zero)
     row = np.flatnonzero(lines.hastens[rows])
     text["end"][row] = tables.feedrate.take(lines.feedrate[rows][row])
-    first, last = np.searchsorted(cuts, (rows.start, rows.stop))
-    text["cut"][cuts[first:last] - rows.start] = _CUT[0]
-    return padded.translate(None, b"\0")
+    whole, begin = memoryview(padded), 0
+    pieces: list[bytes | memoryview] = []
+    for end, other in zip(((places - rows.start) * _LINE.itemsize).tolist(), texts, strict=True):
+        pieces += (whole[begin:end], other)
+        begin = end
+    return b"".join([*pieces, whole[begin:]]).translate(None, b"\0")
 
 
 def _filament(steps: IntArray, tool: IntArray, tables: _Tables) -> tuple[TextArray, TextArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
@@ -36,7 +37,9 @@ class Stages:
         self.compare_layers, self.run_layers = self._cache.compare_layers, self._cache.run_layers
 
     def __enter__(self) -> Stages:
-        """The stages themselves; nothing has to be prepared."""
+        """The stages themselves; until they end, Python does not look for cycles of objects: a job leaves none."""
+        self._collects = gc.isenabled()
+        gc.disable()
         return self
 
     def __exit__(
@@ -44,6 +47,8 @@ class Stages:
     ) -> None:
         """Wait for the work beside the stages."""
         self._beside.shutdown()
+        if self._collects:
+            gc.enable()
 
     def run_along_lines(
         self, stage: str, whole: Callable[..., Result], given: tuple[Any, ...], *arguments: Any
