@@ -125,7 +125,14 @@ PRINT_DETAILS = (
     Section(
         "detail",
         "Walls and Fill",
-        ("outer_wall_first", "seam_position", "infill_pattern", "infill_angle", "infill_overlap"),
+        (
+            "outer_wall_first",
+            "seam_position",
+            "infill_pattern",
+            "infill_angle",
+            "infill_overlap",
+            "solid_infill_below_area",
+        ),
         stage="print",
     ),
     Section(

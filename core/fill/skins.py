@@ -13,7 +13,6 @@ from .walls import offset, polygonal
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
 _AREA_ERROR_MM2 = 0.01  # of an overlay that went right
-_SMALLEST_SPARSE_MM2 = 10.0  # a sparse remnant below this holds a line or two at best
 
 
 @dataclass(frozen=True)
@@ -60,17 +59,17 @@ def skins(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: Pr
 def solid_and_sparse(fill: Shapes, found: Skins, settings: PrintSettings) -> tuple[Shapes, Shapes]:
     """Divide the region to fill of every island into its skins and its sparse inside.
 
-    Remnants of sparse fill too small to hold a line become solid.
+    Sparse fill too small to hold more than a line or two becomes solid.
 
     Args:
         fill: (I,) region to fill of each island.
         found: where these are to be solid.
-        settings: `is_hollow` is read.
+        settings: `is_hollow` and `solid_infill_below_area` are read.
 
     Returns:
         (I,) solid and (I,) sparse regions; they do not overlap, and together they are `fill`.
     """
-    remnant_mm2 = 0.0 if settings.is_hollow else _SMALLEST_SPARSE_MM2
+    remnant_mm2 = 0.0 if settings.is_hollow else settings.solid_infill_below_area
     solid, sparse = fill.copy(), np.full(len(fill), shapely.Polygon(), dtype=object)
     open_inside = ~found.whole & (shapely.area(fill) >= remnant_mm2)
     plain = open_inside & shapely.is_empty(found.regions)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..errors import MeshError, PrintError, SettingsError
@@ -33,11 +35,12 @@ def check(moves: Moves, settings: PrintSettings) -> None:
     Raises:
         PrintError: a number is not finite.
         MeshError: the print leaves the reach of the nozzles.
-        SettingsError: a nozzle is too cold to print or hotter than the printer allows.
+        SettingsError: a nozzle is too cold to print, or something is hotter or faster than the printer allows.
     """
     check_numbers(moves)
     check_reach(moves, settings.printer_profile)
     check_temperatures(moves, settings)
+    check_filament_drive(settings)
 
 
 def check_numbers(moves: Moves) -> None:
@@ -121,3 +124,12 @@ def check_temperatures(moves: Moves, settings: PrintSettings) -> None:
         if getattr(settings, name) > hottest_bed:
             hint = f"set it to {hottest_bed:g} °C at most"
             raise SettingsError(f"{name} = {getattr(settings, name):g} °C is too hot", hint)
+
+
+def check_filament_drive(settings: PrintSettings) -> None:
+    """Filament is pulled back and fed again no faster than the printer can."""
+    most = settings.printer_profile.max_speed_mm_s[3]
+    for name in ("retract_speed", "deretract_speed"):
+        if getattr(settings, name) > most:
+            hint = f"set it to {math.floor(most)} mm/s at most"
+            raise SettingsError(f"{name} = {getattr(settings, name):g} mm/s is more than the printer does", hint)

@@ -145,6 +145,9 @@ class PrintSettings(Declared):
         "Lines of sparse fill: in one direction per layer, two or three, a gyroid, or loops that follow the walls",
         choices=("rectilinear", "grid", "triangles", "gyroid", "concentric"),
     )
+    solid_infill_below_area: float = setting(
+        10.0, "Sparse fill of a smaller area than this, in mm², is solid; 0 leaves all of it sparse", "", 0.0, 10000.0
+    )
     infill_angle: float = setting(
         45.0, "Direction of the fill; it alternates between + and - this angle", "°", 0.0, 90.0
     )
@@ -242,8 +245,13 @@ class PrintSettings(Declared):
     retract_restart_extra_toolchange: float = setting(
         0.0, "Filament fed in addition after a tool change", "mm", 0.0, 5.0
     )
-    retract_speed: float = setting(25.0, "Speed of pulling back", "mm/s", 1.0, 26.0)
-    deretract_speed: float = setting(25.0, "Speed of feeding retracted filament again", "mm/s", 1.0, 26.0)
+    retract_speed: float = setting(
+        25.0, "Speed of pulling back; no more than the printer's filament drive does", "mm/s", 1.0, 200.0
+    )
+    deretract_speed: float = setting(
+        25.0, "Speed of feeding retracted filament again; no more than the printer's filament drive does", "mm/s",
+        1.0, 200.0,
+    )  # fmt: skip
     avoid_crossing_perimeters: bool = setting(
         True, "Travels stay inside the outer wall where they can, along it rather than across it"
     )

@@ -15,6 +15,7 @@ _ELSEWHERE = {
     "material_bed_temperature_layer_0": "first_layer_bed_temperature",
     "material_print_temperature": "nozzle_temperature_0",
     "material_print_temperature_layer_0": "first_layer_temperature_0",
+    "min_infill_area": "solid_infill_below_area",
     "nozzle_diameter": "extrusion_width",
     "perimeter_speed": "outline_speed",
     "prime_tower_enable": "tower_type",

@@ -73,6 +73,16 @@ def test_skins_of_a_box_are_the_layers_asked_for():
     assert sorted(set(paths.layer[paths.feature == Feature.INFILL])) == list(range(2, 16))
 
 
+@pytest.mark.parametrize(("area", "solid"), [(0.0, []), (10.0, [6]), (60.0, [6, 10]), (10000.0, [6, 10, 22])])
+def test_small_sparse_fill_is_solid(area, solid):
+    """Square posts, of whose inside 2.92, 6.92 and 18.92 mm across are to be filled."""
+    plan = PrintSettings(solid_infill_below_area=area)
+    for side in (6, 10, 22):
+        paths = fill_paths(*stack([square(side)] * 20), plan)
+        (feature,) = set(paths.feature[(paths.layer == 10) & (paths.feature != Feature.INNER_WALL)])
+        assert (feature == Feature.SKIN) == (side in solid)
+
+
 def test_no_skins_when_none_are_asked_for():
     sliced, islands, layer = stack([square(22)] * 6)
     paths = fill_paths(sliced, islands, layer, PrintSettings(bottom_solid_layers=0, top_solid_layers=0))

@@ -115,6 +115,14 @@ def test_a_print_beside_the_bed_is_moved_not_scaled():
         check(moves, SETTINGS)
 
 
+@pytest.mark.parametrize("name", ["retract_speed", "deretract_speed"])
+def test_filament_is_pulled_no_faster_than_the_printer_can(name):
+    moves = rosette(2, 100)
+    with pytest.raises(SettingsError, match=f"{name} = 45 mm/s is more than the printer does: set it to 26 mm/s"):
+        check(moves, SETTINGS.changed({name: 45}))
+    check(moves, SETTINGS.changed({name: 45, "printer": "marlin_dual", "bed_temperature": 60}))
+
+
 @pytest.mark.parametrize("name", ["nozzle_temperature_0", "nozzle_temperature_1"])
 def test_nothing_is_pressed_through_a_cold_nozzle(name):
     for cold in (name, name.replace("nozzle", "first_layer")):
