@@ -22,6 +22,8 @@ PROGRAM = "dualcolor"
 DONE, USER_ERROR, INTERRUPTED = 0, 1, 130
 READ = ("model", "images", "file", "photo", "texture", "settings", "simulated", "support_enforcer", "support_blocker")
 """Arguments that name files to read."""
+SPELLINGS = {"analyze": ["analyse"]}
+"""Other spellings of commands."""
 
 
 class Command(Protocol):
@@ -96,7 +98,9 @@ def make_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for command in COMMANDS:
         sentence = f"{command.HELP[0].upper()}{command.HELP[1:]}."
-        one = commands.add_parser(command.NAME, help=command.HELP, description=sentence)
+        one = commands.add_parser(
+            command.NAME, aliases=SPELLINGS.get(command.NAME, []), help=command.HELP, description=sentence
+        )
         command.add_arguments(one)
         one.set_defaults(command=command)
     return parser

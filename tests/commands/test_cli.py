@@ -95,6 +95,12 @@ def test_to_turn_a_model_back_takes_an_option_too(given, up, options):
     assert analyze.turning_options(up, cli.make_parser().parse_args(["analyze", "wedge.obj", *given])) == options
 
 
+def test_a_command_has_both_spellings() -> None:
+    parser = cli.make_parser()
+    british, american = (parser.parse_args([name, "wedge.obj"]) for name in ("analyse", "analyze"))
+    assert british.command is american.command is analyze
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are Unicode elsewhere")
 def test_a_file_may_have_any_name(box, tmp_path, capfd):
     odd = box.rename(os.fsdecode(bytes(tmp_path) + b"/b\xff x.obj"))
