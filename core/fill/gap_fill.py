@@ -12,6 +12,7 @@ from ..parallel import geos_in_threads
 from ..paths import Feature, Paths, way_ahead
 from ..ragged import starts
 from ..settings import PrintSettings
+from ..slicing.pieces_outside import boundaries, pieces_outside
 from ..slicing.regions import gathered
 from .chordal_axis import ON_EDGE_MM, SIMPLIFY_MM, middles
 from .mitres import Moved
@@ -237,14 +238,11 @@ def _to_the_ends(
     ends, before, where = ends[free], before[free], where[free]
     away = points[ends] - points[before]
     away *= (2 * wide[ends] / np.maximum(np.hypot(*away.T), ON_EDGE_MM))[:, None]
-    ahead = shapely.linestrings(np.stack([points[ends], points[ends] + away], axis=1))
-    reached = shapely.intersection(ahead, gaps[gap[line[ends]]])
-    on = shapely.get_parts(reached, return_index=True)
-    touching = shapely.distance(on[0], shapely.points(points[ends[on[1]]])) < 2 * ON_EDGE_MM
-    length = np.zeros(len(ends))
-    np.maximum.at(length, on[1][touching], shapely.length(on[0][touching]))
-    longer = length > SIMPLIFY_MM
-    tips = points[ends] + away * (length / np.maximum(np.hypot(*away.T), ON_EDGE_MM))[:, None]
+    outside = pieces_outside(points[ends], points[ends] + away, boundaries(gaps), gap[line[ends]])
+    share = np.ones(len(ends))
+    np.minimum.at(share, outside.line, outside.share[:, 0])
+    longer = share * np.hypot(*away.T) > SIMPLIFY_MM
+    tips = points[ends] + away * share[:, None]
     ends, where = ends[longer], where[longer]
     return (
         np.insert(points, where, tips[longer], axis=0),

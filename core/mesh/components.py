@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
 from ..model import IntArray
+from ..parallel import CHUNK_ROWS
 
 
 def components(groups: IntArray) -> IntArray:
@@ -18,8 +20,7 @@ def components(groups: IntArray) -> IntArray:
     Returns:
         (G,) the root of each group's component: one of its nodes, the same for all of its groups.
     """
-    columns = [np.ascontiguousarray(column) for column in groups.T]
-    return np.asarray(_roots(columns, int(groups.max(initial=-1)) + 1).take(columns[0]))
+    return np.asarray(_roots(groups, int(groups.max(initial=-1)) + 1).take(groups[:, 0]))
 
 
 def connected(count: int, first: IntArray, second: IntArray) -> IntArray:
@@ -29,8 +30,8 @@ def connected(count: int, first: IntArray, second: IntArray) -> IntArray:
     return numbered(components(pairs)[:count])
 
 
-def _roots(columns: list[IntArray], count: int) -> IntArray:
-    """(count,) the root of each node, where links lead from each of some columns (K,) of nodes to the next one.
+def _roots(groups: IntArray, count: int) -> IntArray:
+    """(count,) the root of each node, where groups (G, k) are linked.
 
     Union-find for all links at once: every node is hooked to a linked node of a lesser number, and every path is
     flattened to its root. Then the trees become the nodes, numbered in reverse, and so on. The reversal matters for a
@@ -38,19 +39,26 @@ def _roots(columns: list[IntArray], count: int) -> IntArray:
     hooking the other way all of them.
     """
     parent = np.arange(count)
-    for one, other in pairwise(columns):
+    for one, other in _links(groups):
         parent[np.maximum(one, other)] = np.minimum(one, other)
     parent = _flattened(parent)
     links = []
-    for one, other in pairwise([parent.take(column) for column in columns]):
+    for one, other in _links(groups):
+        one, other = parent.take(one), parent.take(other)
         apart = np.flatnonzero(one != other)
-        links.append((one.take(apart), other.take(apart)))
-    ends = [np.concatenate(parts) for parts in zip(*links, strict=True)]
-    if not len(ends[0]):
+        links.append(np.stack([one.take(apart), other.take(apart)], axis=1))
+    between = np.concatenate([*links, groups[:0, :2]])
+    if not len(between):
         return parent
     tree = np.cumsum((parent == np.arange(count))[::-1])[::-1] - 1
-    above = _roots([tree.take(each) for each in ends], int(tree[0]) + 1)
+    above = _roots(tree.take(between), int(tree[0]) + 1)
     return np.asarray(above.take(tree.take(parent)))
+
+
+def _links(groups: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
+    """Both ends of links from each node of a group to the next one, so many at a time that they stay in the cache."""
+    for begin in range(0, len(groups), CHUNK_ROWS):
+        yield from pairwise(np.ascontiguousarray(groups[begin : begin + CHUNK_ROWS].T))
 
 
 def numbered(root: IntArray) -> IntArray:

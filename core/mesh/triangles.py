@@ -18,6 +18,7 @@ WELD_SHARE = 3e-7
 """Vertices nearer than this share of the object's size are merged: a few times the resolution of float32."""
 
 _OBLIQUE = np.array([1.0, 0.6180339887, 0.3819660113])  # hardly any two vertices lie at the same place along it
+_STEPS = 1 << 10  # that the tolerance is measured in; the whole object takes no more than 32 bits of them
 _FAR_AWAY_MM = 1e7  # beyond this, neighboring vertices could no longer be told apart
 _REACH_TOLERANCE_MM = 1e-3
 _USUAL_MM = 5.0  # an object is rarely shorter than this
@@ -243,14 +244,14 @@ def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArra
         (np.einsum("ij,j->i", vertices, _OBLIQUE), tolerance * _OBLIQUE.sum()),
         *((x, tolerance) for x in vertices.T),
     ):
-        order = np.argsort(column[near])
+        step = _steps_along(column[near], reach)
+        order = _order(step)
         if group.any():
             # By group first; sorting numbers that hold group and rank takes a third of the time of `lexsort`.
             bits = len(near).bit_length()
             order = order[np.sort((group[order] << bits) | np.arange(len(near))) & ((1 << bits) - 1)]
-        near, group = near[order], group[order]
-        value = column[near]
-        begins = np.append(True, (group[1:] != group[:-1]) | (value[1:] - value[:-1] > reach))[: len(near)]
+        near, group, step = near[order], group[order], step[order]
+        begins = np.append(True, (group[1:] != group[:-1]) | (step[1:] - step[:-1] > _STEPS))[: len(near)]
         group = np.cumsum(begins) - 1
         shared = ~(begins & np.append(begins[1:], True))  # the others have nothing near them
         near, group = near[shared], group[shared]
@@ -262,6 +263,20 @@ def weld(vertices: FloatArray, owner: IntArray | None = None) -> tuple[FloatArra
         stays = into == np.arange(len(vertices))
         vertices, into = vertices[stays], (np.cumsum(stays) - 1)[into]
     return vertices, into
+
+
+def _steps_along(column: FloatArray, reach: float) -> NDArray[np.uint32]:
+    """Places (N,) along an axis, of which `reach` takes `_STEPS`, from the least on."""
+    along = column - column.min(initial=np.inf)
+    along *= _STEPS / max(reach, 1e-300)
+    return np.asarray(np.rint(along, out=along), dtype=np.uint32)
+
+
+def _order(number: NDArray[np.uint32]) -> IntArray:
+    """What sorts numbers (N,): half of their digits after the other, which takes a quarter of the time of `argsort`."""
+    low, high = ((number >> shift).astype(np.uint16) for shift in (0, 16))
+    order = np.argsort(low, kind="stable")
+    return order.take(np.argsort(high.take(order), kind="stable"))
 
 
 def _painting(model: SurfaceModel, triangles: _Triangles) -> tuple[FloatArray, IntArray]:

@@ -7,7 +7,7 @@ import shapely
 
 from ..model import FloatArray, IntArray
 from ..ragged import ranges, starts, summable
-from .pieces_outside import Boundaries, Pieces
+from ..slicing.pieces_outside import Boundaries, Pieces
 
 
 def on_rings(

@@ -10,8 +10,8 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import starts
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..slicing.pieces_outside import Boundaries, Pieces, boundaries, pieces_outside
 from .order import OrderedPaths
-from .pieces_outside import Boundaries, Pieces, boundaries, pieces_outside
 from .ring_walks import on_rings, walks_along
 
 _TOLERANCE_MM = 0.1  # by which the inside of the wall is simplified, and a way along it

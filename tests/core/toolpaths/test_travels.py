@@ -6,10 +6,10 @@ import shapely
 from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
+from dualcolor.core.slicing.pieces_outside import boundaries, pieces_outside
 from dualcolor.core.slicing.planes import Layers
 from dualcolor.core.toolpaths.assemble import assemble
 from dualcolor.core.toolpaths.order import OrderedPaths
-from dualcolor.core.toolpaths.pieces_outside import boundaries, pieces_outside
 from dualcolor.core.toolpaths.travels import Rooms, copies, rooms, travels
 from dualcolor.tests.solids import cylinder
 

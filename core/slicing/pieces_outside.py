@@ -1,4 +1,4 @@
-"""Where straight travels leave the rooms in which they start: the pieces outside, for all travels at once."""
+"""Where straight lines leave the regions in which they start: the pieces outside, for all lines at once."""
 
 from __future__ import annotations
 
@@ -88,9 +88,7 @@ def pieces_outside(begin: FloatArray, end: FloatArray, walls: Boundaries, room: 
     pairs = np.cumsum(walls.start[room + 1] - walls.start[room])
     cuts = np.flatnonzero(np.diff(pairs // _MOST_PAIRS)) + 1
     found = [
-        _crossings(part, begin[part], end[part], walls, room[part])
-        for part in np.split(np.arange(len(begin)), cuts)
-        if len(part)
+        _crossings(part, begin[part], end[part], walls, room[part]) for part in np.split(np.arange(len(begin)), cuts)
     ]
     line, share, crossed, arc = (np.concatenate(column) for column in zip(*found, strict=True))
     # Ahead of a place outside lies an even number of crossings, as a ray leaves a polygon as often as it enters it.
