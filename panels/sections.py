@@ -80,6 +80,7 @@ PRINT_DETAILS = (
             "support_auto",
             "support_from",
             "support_threshold_angle",
+            "dont_support_bridges",
             "support_spacing",
             "support_xy_distance",
             "support_z_distance",

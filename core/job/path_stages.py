@@ -67,7 +67,8 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     run, layered, along, aside = stages.run, stages.run_layers, stages.run_along_lines, stages.aside
     cut, lines = wall.cut, wall.lines
     yield stages.begin(0.6, "supports")
-    holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings)
+    spanned = wall.closing.result().bridges if settings.support_enable and settings.dont_support_bridges else None
+    holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings, spanned)
     outer = outer_wall_paths(wall.outlines)
     shade = aside("shadow", _shadow, lines, holding, settings)
     last = int(max(paths.layer.max(initial=0) for paths in (outer, holding.paths)))

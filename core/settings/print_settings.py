@@ -204,6 +204,9 @@ class PrintSettings(Declared):
     support_threshold_angle: float = setting(
         30.0, "Overhangs flatter than this, from the horizontal, are supported", "°", 5.0, 85.0
     )
+    dont_support_bridges: bool = setting(
+        False, "No supports under bridges, which solid fill spans from side to side, unless they are enforced"
+    )
     support_spacing: float = setting(2.5, "Distance of the lines of supports", "mm", 0.4, 20.0)
     support_xy_distance: float = setting(
         0.4, "Air between supports and the crests of the waved outline", "mm", 0.0, 10.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from ..fill.bridges import Bridges
 from ..fill.walls import offset, offset_outlines, simplified
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
@@ -45,18 +46,23 @@ class Contacts:
     slant: int
 
 
-def contacts(cut: Slices, settings: PrintSettings, wished: Marks | None = None) -> Contacts:
+def contacts(
+    cut: Slices, settings: PrintSettings, wished: Marks | None = None, spanned: Bridges | None = None
+) -> Contacts:
     """Find the overhangs of all layers.
 
     Args:
         cut: the slices.
         settings: `support_auto`, `support_threshold_angle`, the distances of supports, `layer_height`,
-            `extrusion_width` and `wave_depth_max` are used.
+            `extrusion_width`, `perimeters` and `wave_depth_max` are used.
         wished: where supports are enforced and blocked.
+        spanned: bridges that hold without supports, unless these are enforced.
     """
     gap = round(settings.support_z_distance / settings.layer_height)
     count = len(cut.regions)
     hanging = overhangs(cut.regions, _reach(cut.layers, settings)) if settings.support_auto else nothing(count)
+    if spanned is not None:
+        hanging = _without_bridges(hanging, spanned, cut.polygon_layer, settings)
     forced, forced_layer = nothing(0), np.zeros(0, dtype=np.int64)
     if wished:
         hanging, forced, forced_layer = _as_wished(cut.regions, hanging, wished)
@@ -68,6 +74,16 @@ def contacts(cut: Slices, settings: PrintSettings, wished: Marks | None = None) 
     kept = layer >= shift
     slant = _GREATEST_SLANT if len(forced) else _slant(settings)
     return Contacts(area, islands[kept], layer[kept] - shift, gap, gap + slant)
+
+
+def _without_bridges(hanging: Shapes, spanned: Bridges, polygon_layer: IntArray, settings: PrintSettings) -> Shapes:
+    """(L,) overhangs less bridges and the walls along them, which are held at the same ends."""
+    left, layer = hanging.copy(), polygon_layer[spanned.island]
+    rows = np.unique(layer[~shapely.is_empty(hanging[layer])])
+    with_walls = offset(spanned.regions, (settings.perimeters + 1) * settings.extrusion_width)
+    united = [shapely.union_all(with_walls[layer == row]) for row in rows.tolist()]
+    left[rows] = _sizeable(areas(shapely.difference(hanging[rows], united)))
+    return left
 
 
 def _as_wished(regions: Shapes, hanging: Shapes, wished: Marks) -> tuple[Shapes, Shapes, IntArray]:

@@ -6,6 +6,7 @@ import shapely
 from shapely import Geometry
 
 from ..contours.contours import Contours, reach_of
+from ..fill.bridges import Bridges
 from ..model import FloatArray, Shapes, TriangleMesh
 from ..paths import Paths
 from ..records import dataclass
@@ -33,7 +34,14 @@ class Supports:
     areas: Shapes
 
 
-def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray, settings: PrintSettings) -> Supports:
+def supports(
+    mesh: TriangleMesh,
+    cut: Slices,
+    lines: Contours,
+    depth: FloatArray,
+    settings: PrintSettings,
+    spanned: Bridges | None = None,
+) -> Supports:
     """Support all overhangs, except where the user blocks it; nothing without `support_enable`.
 
     Args:
@@ -41,14 +49,15 @@ def supports(mesh: TriangleMesh, cut: Slices, lines: Contours, depth: FloatArray
         cut: the slices.
         lines: contours of its outlines.
         depth: (N,) mm, of the wave at each contour point.
-        settings: those of supports, and the extrusion width and layer heights.
+        settings: those of supports and walls, and the layer heights.
+        spanned: bridges that get none, unless the user enforces them.
 
     Raises:
         MeshError: a volume that enforces or blocks supports is open.
     """
     if not settings.support_enable:
         return Supports(Paths.empty(), nothing(len(cut.regions)))
-    needed = contacts(cut, settings, marks(mesh, cut.layers.plane))
+    needed = contacts(cut, settings, marks(mesh, cut.layers.plane), spanned)
     taken = taken_room(cut, lines, depth, needed.gap, settings)
     found = columns(needed, taken)
     if settings.support_from == "bed":

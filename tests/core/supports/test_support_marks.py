@@ -9,6 +9,7 @@ from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh.plate import plate
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import SupportMark, SupportVolume
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.slicing.planes import layer_stack
 from dualcolor.core.supports.marks import marks, painted
@@ -73,6 +74,26 @@ def test_an_enforced_slope_that_holds_itself_is_supported(how):
         assert made.covered[layer].distance(cut.regions[layer]) > SETTINGS.support_xy_distance or (
             made.covered[layer].is_empty
         )
+
+
+@pytest.mark.parametrize(("pattern", "perimeters"), [("offset", 1), ("offset", 3), ("wave", 1)])
+def test_bridges_need_no_supports_but_what_sticks_out_does(pattern, perimeters):
+    """A gate of two pillars, whose beam goes on for 10 mm beyond the right one."""
+    pillars = joined(box((-15, -5, 0), (-9, 5, 10)), box((9, -5, 0), (15, 5, 10)))
+    gate = joined(pillars, box((-15, -5, 10), (25, 5, 13)))
+    plan = SETTINGS.changed({"pattern": pattern, "perimeters": perimeters, "tower_type": "none"})
+    middle, end = (-9, 9), (15, 25)
+
+    def held_between(model, settings):
+        moves = generate(model, settings.changed({"center_on_bed": False})).moves
+        x = moves.position[moves.extrudes & np.isin(moves.feature, (Feature.SUPPORT, Feature.SUPPORT_INTERFACE)), 0]
+        return [bool(((x > low) & (x < high)).any()) for low, high in (middle, end)]
+
+    assert held_between(gate, plan) == [True, True]
+    spanned = plan.changed({"dont_support_bridges": True})
+    assert held_between(gate, spanned) == [False, True]
+    enforced = marked(gate, ENFORCER, lambda middle: (middle[:, 2] > 9) & (middle[:, 2] < 11))
+    assert held_between(enforced, spanned) == [True, True]
 
 
 def test_a_blocker_wins():
