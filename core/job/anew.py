@@ -1,7 +1,7 @@
 """Stages run again on the layers whose tones have changed; all other layers keep their former results.
 
-Each `…_anew` returns what its stage returns for the whole print. `former` is the stage's last result; its inputs differ
-from those of that run only on the layers that `fresh` (L,) marks.
+Each `…_anew` returns what its stage returns for the whole print, or None where that may differ on other layers too.
+`former` is the stage's last result; its inputs differ from those of that run only on layers that `fresh` (L,) marks.
 """
 
 from __future__ import annotations

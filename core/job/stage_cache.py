@@ -94,7 +94,7 @@ class StageCache:
         self,
         stage: str,
         whole: Callable[..., Result],
-        anew: Callable[..., Result],
+        anew: Callable[..., Result | None],
         given: tuple[Any, ...],
         *arguments: Any,
     ) -> Result:
@@ -103,23 +103,26 @@ class StageCache:
         Args:
             stage: the name that the result is kept under.
             whole: the function, of what is given and the other arguments.
-            anew: the same, of the former result and the (L,) layers that differ before all else; see `anew.py`.
+            anew: the same, of the former result and the (L,) layers that differ before all else; see `anew.py`. None
+                where these layers change others.
             given: made from what has been compared.
             arguments: the others; where these are not what they were, nothing is kept.
         """
         held, settings, others = self._asked(stage, arguments)
-        if self._fresh is None or not (held and _is_read_alike(held, settings) and _same(held.arguments[1:], others)):
-            result = self.run(stage, lambda given, *more: whole(*given, *more), given, *arguments)
-            if self._held[stage] is not held:  # what comes of it is new on all layers
-                self._fresh = None
-            return result
-        kept: Result = held.result
-        if self._fresh.any():
+        if self._fresh is not None and held and _is_read_alike(held, settings) and _same(held.arguments[1:], others):
+            if not self._fresh.any():
+                kept: Result = held.result
+                return kept
             read = dict(held.read)
             more = (_watched(settings, read) if one is settings and settings else one for one in arguments)
-            kept = anew(kept, self._fresh, *given, *more)
-            self._held[stage] = _Held((given, *others), read, kept)
-        return kept
+            made = anew(held.result, self._fresh, *given, *more)
+            if made is not None:
+                self._held[stage] = _Held((given, *others), read, made)
+                return made
+        result = self.run(stage, lambda given, *more: whole(*given, *more), given, *arguments)
+        if self._held[stage] is not held:  # what comes of it is new on all layers
+            self._fresh = None
+        return result
 
     def _asked(
         self, stage: str, arguments: tuple[Any, ...]
@@ -157,7 +160,7 @@ class NoCache(StageCache):
         self,
         stage: str,
         whole: Callable[..., Result],
-        anew: Callable[..., Result],
+        anew: Callable[..., Result | None],
         given: tuple[Any, ...],
         *arguments: Any,
     ) -> Result:

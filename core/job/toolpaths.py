@@ -82,11 +82,11 @@ def toolpaths_anew(
     within: Rooms,
     beside: Surrounded,
     settings: PrintSettings,
-) -> Toolpaths:
+) -> Toolpaths | None:
     """As `toolpaths`, with the ways between the fresh layers and those beside them; see `anew.py`."""
     stack = raised(beside.layers, settings)
     if wall.swapped is not None or settings.seam_position not in _LOCAL_SEAMS or not _apart(former.paths):
-        return toolpaths(wall, fill, within, beside, settings)
+        return None
     on_raft = np.append(np.zeros(settings.raft_layers, dtype=bool), fresh)
     own = [paths.selected(fresh[paths.layer]) for paths in (wall, fill, beside.holding)]
     part = _ordered(own, beside.around.selected(on_raft[beside.around.layer]), beside, settings)
@@ -132,13 +132,13 @@ def summary(moves: Moves, settings: PrintSettings) -> tuple[Moves, FloatArray]:
 
 def summary_anew(
     former: tuple[Moves, FloatArray], fresh: BoolArray, moves: Moves, settings: PrintSettings
-) -> tuple[Moves, FloatArray]:
+) -> tuple[Moves, FloatArray] | None:
     """As `summary`; see `anew.py`."""
     near = widened(np.append(np.zeros(settings.raft_layers, dtype=bool), fresh), 1)
     bounds = np.searchsorted(moves.layer, np.array(runs(near)))
     inside = bounds[(bounds > 0) & (bounds < len(moves.layer))]
     if (moves.tool[inside] == moves.tool[inside - 1]).any():  # the printer does not stand still there
-        return summary(moves, settings)
+        return None
     kept = np.flatnonzero(~near[former[0].layer])
     parts = [(_rows(former[0], kept), former[1][kept])]
     for begin, end in bounds.tolist():
