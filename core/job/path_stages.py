@@ -32,7 +32,7 @@ from .toolpaths import Surrounded, toolpaths, toolpaths_anew
 from .wall_stages import PaintedWall
 
 # Outlines behind the wave may differ from the true ones by this much, mm.
-FILL_TOLERANCE = 0.02
+FILL_TOLERANCE = 0.03
 
 
 @dataclass(frozen=True)
