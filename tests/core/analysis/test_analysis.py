@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.analysis.figures import heatmap, slope_picture, traceline_picture
+from dualcolor.core.analysis.figures import heatmap, slope_colors, slope_picture, traceline_picture
 from dualcolor.core.analysis.orientation import directions, suggested, upright
-from dualcolor.core.analysis.picture import Stroke, dots, draw
+from dualcolor.core.analysis.picture import CLAY, Stroke, dots, draw
 from dualcolor.core.analysis.study import NO_SEAMS, analyze, faded_share
 from dualcolor.core.analysis.surface_curves import (
     BIRTH_COLOR,
+    DEGRADED_COLOR,
+    GONE_COLOR,
     HEAT_COLORS,
     HEAT_STOPS,
     heat_class,
@@ -21,7 +23,7 @@ from dualcolor.core.contours.contours import places
 from dualcolor.core.errors import PrintError
 from dualcolor.core.mesh.surface_points import points_on_faces
 from dualcolor.core.mesh.triangles import triangulate
-from dualcolor.core.printability.slopes import face_contrast, slope_report, slope_warnings
+from dualcolor.core.printability.slopes import face_contrast, from_flat_deg, slope_report, slope_warnings
 from dualcolor.core.sampling.quality import SeamErrors
 from dualcolor.core.sampling.samples import Projector, Samples
 from dualcolor.core.settings import PrintSettings
@@ -281,6 +283,26 @@ def test_pictures_hide_what_lies_behind():
     assert before[before.shape[0] // 2, before.shape[1] // 2].tolist() == [255, 0, 0]
     assert np.array_equal(draw(mesh, [Stroke(dots(np.array(back)), (1.0, 0.0, 0.0), 4.0)], (180.0, 0.0), 100), before)
     assert plain[0, 0].tolist() == [255, 255, 255] and plain[50, 50].max() < 250
+
+
+def test_clay_is_brightest_where_it_faces_the_light():
+    ball = lathe([[0.01, 0], [7, 3], [10, 10], [7, 17], [0.01, 20]])
+    shown = draw(triangulate(ball, WAVE), [], FRONT, 200)
+    row, column = np.indices(shown.shape[:2]) - 100
+    inside = row**2 + column**2 < 60**2
+    light = shown[inside] / np.array(CLAY) / 255
+    assert light.max() < 1.01 and np.ptp(light, axis=1).max() < 0.02  # one color, in more or less light
+    assert light[row[inside] < -30].mean() > light[row[inside] > 30].mean() + 0.1  # from above
+    assert light[column[inside] < -30].mean() > light[column[inside] > 30].mean() + 0.1  # from the left
+
+
+def test_faces_have_the_color_of_what_their_slope_shows():
+    height = 10 * np.tan(np.radians([60, 25, 15]))
+    found = analyze(lathe([[32, 0], [22, height[0]], [12, height[:2].sum()], [2, height.sum()]]), WAVE)
+    rise = from_flat_deg(found.mesh)
+    for degrees, color in ((60, CLAY), (25, DEGRADED_COLOR), (15, GONE_COLOR)):
+        own = np.abs(rise - degrees) < 1
+        assert own.sum() > 10 and (slope_colors(found)[own] == color).all()
 
 
 def test_pictures_show_seams_and_births(funnel):

@@ -29,6 +29,7 @@ class Firmware:
     changes: int = 0
     fan: dict = field(default_factory=lambda: {0: 0.0, 1: 0.0})
     blown: list = field(default_factory=list)
+    switched_on: int = 0
 
     def run(self, text):
         for line in text.splitlines():
@@ -48,6 +49,7 @@ class Firmware:
             self.changes += bool(self.laid) and self.tool != int(command[1])
             self.tool = int(command[1])
         elif command in ("M106", "M107"):
+            self.switched_on += command == "M106"
             self.fan[int(values.get("P", max(self.tool, 0)))] = values.get("S", 255.0) if command == "M106" else 0.0
         elif command == "G1":
             self.move(values)
@@ -99,6 +101,17 @@ def test_the_fan_of_the_printing_nozzle_blows_from_a_layer_on(layers, percent):
     layer = moves.layer[moves.extrudes]
     np.testing.assert_array_equal(told.blown, np.where(layer >= layers, round(percent * 2.55), 0))
     assert told.fan == {0: 0, 1: 0}
+    assert told.switched_on == max(12 - layers, 0)  # once a layer, each of which has the other tool
+
+
+def test_the_fan_starts_within_the_print_of_a_single_tool():
+    moves = rosette(6, 50)
+    moves.tool[:] = 0
+    told = Firmware().run(
+        gcode_text(moves, SETTINGS.changed({"fan_speed": 100, "disable_fan_first_layers": 2}), []).decode()
+    )
+    np.testing.assert_array_equal(told.blown, np.where(moves.layer[moves.extrudes] >= 2, 255, 0))
+    assert told.switched_on == 1
 
 
 def test_the_fan_is_left_alone_where_it_is_off_or_the_printer_has_none():

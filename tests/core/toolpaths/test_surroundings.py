@@ -74,8 +74,8 @@ def test_repeated_layers_keep_every_path():
     single = brim_paths(shapely.box(0, 0, 5, 5), SETTINGS.changed({"brim_width": 1.0}))
     thrice = on_layers(single, 3, first=2)
     assert thrice.layer.tolist() == [2] * 3 + [3] * 3 + [4] * 3
-    assert len(thrice.points) == thrice.start[-1] == 3 * single.start[-1]
-    assert (thrice.points[thrice.start[3] : thrice.start[6]] == single.points).all()
+    assert (np.diff(thrice.start) == np.tile(np.diff(single.start), 3)).all()
+    assert (thrice.points == np.tile(single.points, (3, 1))).all()
     assert not len(on_layers(single, 0).layer)
 
 
