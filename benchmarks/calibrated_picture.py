@@ -125,8 +125,6 @@ def plates(name: str, tone: ToneImage, preset: str) -> tuple[Shown, Shown, float
     plate = picture_plate(WIDTH_MM, HEIGHT_MM, THICKNESS_MM, settings)
     picture = fitted(tone, plate, auto_contrast=True)
     table = table_for(settings)
-    if table is None:
-        raise SystemExit("there is no tone table for this pattern")
     shown = []
     for way in ("none", settings.calibration):
         with quiet_stdout():

@@ -85,8 +85,6 @@ def reading(settings: PrintSettings, slant: float) -> tuple[np.ndarray, np.ndarr
     with quiet_stdout():
         seen, noise = read_tile(tile, settings, window, [(0.0, 0.0)])
     table = table_for(settings)
-    if table is None:
-        raise SystemExit("there is no tone table for this pattern")
     ends = np.array(WHOLE_RANGE)
     aimed = printable_tones(
         ends, np.array([slant]), table, WHOLE_RANGE, settings.changed({"calibration": "slope_aware"})

@@ -62,8 +62,6 @@ def _words_of(settings: PrintSettings, _changed: float) -> list[tuple[str, str]]
         table = table_for(settings)
     except PrintError as problem:
         return [(str(problem), "ERROR")]
-    if table is None:
-        return [(f"There is no table for the pattern {settings.pattern}", "ERROR")]
     low, high = table.reflectance[0, [0, -1]]
     whose = "Your own table" if settings.calibration == "file" else "The program's table"
     words = [(f"{whose}, by {table.about.source}: an upright wall shows {low:.2f} to {high:.2f}", "CHECKMARK")]

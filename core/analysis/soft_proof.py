@@ -59,9 +59,6 @@ def proof_table(settings: PrintSettings, shown: tuple[float, float]) -> ProofTab
     """
     tone, slant = np.linspace(0.0, 1.0, _TONES), np.linspace(0.0, 90.0, _SLANTS)
     table = table_for(settings)
-    if table is None:
-        note = f"pattern {settings.pattern} has no tone table: what it can print is unknown, tones are shown as painted"
-        return ProofTable(tone, slant, np.tile(tone, (len(slant), 1)), (note,))
     seen = printable_tones(tone, slant, table, shown, settings).seen
     for column in np.flatnonzero((tone < shown[0]) | (tone > shown[1])):
         wider = min(shown[0], tone[column]), max(shown[1], tone[column])

@@ -53,9 +53,6 @@ def tone_curve(tone: FloatArray, settings: PrintSettings) -> tuple[ToneCurve | N
     if settings.calibration == "none":
         return None, notes
     table = table_for(settings)
-    if table is None:
-        notes.append(f"pattern {settings.pattern} has no tone table, its tones are printed as they are: {_HINT}")
-        return None, notes
     if differences := table.about.differences(settings):
         notes.append(f"the tone table holds for other settings ({', '.join(differences)}): {_HINT}")
     slants = table.slant_deg[:1] if settings.calibration == "upright" else table.slant_deg
@@ -64,7 +61,7 @@ def tone_curve(tone: FloatArray, settings: PrintSettings) -> tuple[ToneCurve | N
     return ToneCurve(to_print, slants), notes
 
 
-def table_for(settings: PrintSettings) -> ToneTable | None:
+def table_for(settings: PrintSettings) -> ToneTable:
     """The tone table of the pattern: the user's own, or the one that comes with the program.
 
     Raises:
@@ -78,10 +75,10 @@ def table_for(settings: PrintSettings) -> ToneTable | None:
     return read_table(Path(settings.calibration_file))
 
 
-def shipped_table(settings: PrintSettings) -> ToneTable | None:
-    """The table of the program that fits this pattern and its settings best; None if there is none."""
+def shipped_table(settings: PrintSettings) -> ToneTable:
+    """The table of the program that fits this pattern and its settings best."""
     tables = [read_table(path) for path in sorted((SHIPPED / settings.pattern).glob("*.json"))]
-    return min(tables, key=lambda table: table.about.distance(settings), default=None)
+    return min(tables, key=lambda table: table.about.distance(settings))
 
 
 def _looked_up(to_print: FloatArray, slants: FloatArray, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:

@@ -43,9 +43,9 @@ def printable_tones(
 ) -> PrintableTones:
     """What the job makes of tones on walls of some slopes, as tables to interpolate.
 
-    To predict a print, take `calibrate.table_for(settings)` (None: nothing is known of the pattern, tones are printed
-    as they are), the `image_range` of the tones on the surface, and evenly spaced tones and slopes, and interpolate
-    `seen` between its four nearest entries. The job interpolates `printed` in the same way.
+    To predict a print, take `calibrate.table_for(settings)`, the `image_range` of the tones on the surface, and evenly
+    spaced tones and slopes, and interpolate `seen` between its four nearest entries. The job interpolates `printed` in
+    the same way.
 
     Args:
         tones: (K,) asked for, 0 black to 1 white.

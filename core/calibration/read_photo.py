@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..errors import CalibrationError
 from ..model import FloatArray
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -53,8 +52,6 @@ def table_of_photo(
         TextureError: it is too large.
     """
     base = shipped_table(settings) if simulated is None else read_table(simulated)
-    if base is None:
-        raise CalibrationError(f"there is no tone table for the pattern {settings.pattern} to compare with")
     photo = read_photograph(path, as_stored)
     marks = find_marks(photo, settings) if corners is None else checked_corners(photo, corners, settings)
     reading = read_wedge(photo, marks, settings)

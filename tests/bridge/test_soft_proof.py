@@ -168,7 +168,7 @@ def test_no_other_chart_shows_along_the_borders_of_one_that_was_unwrapped_here(r
     assert np.nanmax(inner) - np.nanmin(inner) < 0.01
 
 
-def test_table_is_that_of_the_job_and_says_when_there_is_none(monkeypatch):
+def test_table_is_that_of_the_job_and_says_when_settings_differ():
     settings = PrintSettings()
     made = proof_table(settings, (0.2, 0.7))
     same = printable_tones(made.tone, made.slant_deg, table_for(settings), (0.2, 0.7), settings).seen
@@ -182,10 +182,6 @@ def test_table_is_that_of_the_job_and_says_when_there_is_none(monkeypatch):
     table = table_for(settings)
     np.testing.assert_allclose(uncalibrated.reflectance[0], np.interp(made.tone, table.tone, table.reflectance[0]))
     assert "offset_max" in proof_table(settings.changed({"offset_max": 0.2}), (0, 1)).notes[0]
-    monkeypatch.setattr("dualcolor.core.analysis.soft_proof.table_for", lambda settings: None)
-    unknown = proof_table(settings, (0.0, 1.0))
-    np.testing.assert_array_equal(unknown.reflectance[3], unknown.tone)
-    assert "unknown" in unknown.notes[0]
 
 
 def test_range_is_that_of_the_surface_at_the_resolution_of_the_print(registered):

@@ -1,7 +1,7 @@
 """Tone calibration without Blender: tile, readings, table, and the tables that come with the program."""
 
 import json
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -136,6 +136,7 @@ def test_table_survives_a_file(tmp_path):
         {"slant_deg": [30.0, 0.0]},
         {"reflectance": [[0.5] * 10 + [0.1]] * 2},
         {"reflectance": [[float("nan")] * 11] * 2},
+        {"slant_deg": [], "reflectance": [], "noise": []},
         {"about": {}},
         {"about": {"settings": {}, "reflectance": {}, "source": ""}},
     ],
@@ -169,7 +170,7 @@ def test_calibration_undoes_the_response():
         assert (seen - 0.1) / 0.4 == pytest.approx(asked, abs=0.01)
 
 
-def test_slopes_are_interpolated_and_overhangs_count_as_upright(monkeypatch, tmp_path):
+def test_slopes_are_interpolated_and_overhangs_count_as_upright(tmp_path):
     path = tmp_path / "t.json"
     tone = np.linspace(0, 1, 21)
     write_table(path, table(tone, np.clip(tone * 2, 0, 1), tone=tone))
@@ -205,16 +206,19 @@ def test_ours_has_three_times_the_papers_range():
     assert ours[-1] - ours[0] >= 3 * (papers[-1] - papers[0])
 
 
-def test_settings_that_the_table_does_not_hold_for_are_told(monkeypatch, tmp_path):
+def test_settings_that_the_table_does_not_hold_for_are_told():
     _, notes = calibrated(np.zeros(1), np.zeros(1), PrintSettings(layer_height=0.15, wave_depth_max=0.9))
     assert len(notes) == 1 and "layer_height 0.15 instead of" in notes[0] and "wave" not in notes[0].split("(")[1][:60]
     # The nearest one of those that come with the program is taken.
     for height, nearest in ((0.15, 0.2), (0.21, 0.2), (0.24, 0.25), (0.3, 0.25)):
         table_used = shipped_table(PrintSettings(layer_height=height))
         assert table_used.about.settings["layer_height"] == nearest
-    monkeypatch.setattr("dualcolor.core.calibration.calibrate.SHIPPED", tmp_path)
-    _, notes = calibrated(np.zeros(1), np.zeros(1), PrintSettings())
-    assert "has no tone table" in notes[0]
+
+
+def test_every_pattern_has_a_table():
+    setting = next(setting for setting in fields(PrintSettings) if setting.name == "pattern")
+    tables = [shipped_table(PrintSettings(pattern=pattern)) for pattern in setting.metadata["choices"]]
+    assert [table_used.about.settings["pattern"] for table_used in tables] == list(setting.metadata["choices"])
 
 
 @pytest.mark.parametrize("quality", ["standard", "fine"])
