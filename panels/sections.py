@@ -196,6 +196,7 @@ PRINT_DETAILS = (
             "bed_temperature",
             "first_layer_bed_temperature",
             "fan_speed",
+            "bridge_fan_speed",
             "disable_fan_first_layers",
             "slowdown_below_layer_time",
             "min_print_speed",

@@ -151,9 +151,10 @@ def _heating(moves: Moves, settings: PrintSettings) -> HeatingCommands:
     if settings.standby_temperature_delta:
         resting = standby(moves, move_seconds(moves, settings.printer_profile), settings)
         commands = standby_commands(moves, resting, settings)
-    for further in (after_first_layer(moves, settings, resting), fan_commands(moves, settings)):
-        for row, lines in further.items():
-            commands[1].setdefault(row, []).extend(lines)
+    for further in (({}, after_first_layer(moves, settings, resting)), fan_commands(moves, settings)):
+        for known, more in zip(commands, further, strict=True):
+            for row, lines in more.items():
+                known.setdefault(row, []).extend(lines)
     return commands
 
 

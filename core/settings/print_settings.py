@@ -298,6 +298,9 @@ class PrintSettings(Declared):
     fan_speed: float = _filament(
         0.0, "Fan that cools the print, on printers with Marlin or Klipper firmware; 0 is off", "%", 0.0, 100.0
     )
+    bridge_fan_speed: float = _filament(
+        0.0, "Fan while bridges are printed, where that is more than fan_speed, on the same printers", "%", 0.0, 100.0
+    )
     disable_fan_first_layers: int = _filament(1, "Layers on the bed that are printed without the fan", "", 0, 1000)
     slowdown_below_layer_time: float = _filament(
         8.0, "Layers that would take less are printed more slowly, so that each sets before the next; 0 slows none",

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import SettingsError
 from dualcolor.core.exports import export_x3g
+from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import preset_values
@@ -114,12 +115,25 @@ def test_the_fan_starts_within_the_print_of_a_single_tool():
     assert told.switched_on == 1
 
 
+@pytest.mark.parametrize(("usual", "bridging"), [(0, 60), (40, 100), (80, 20)])
+def test_bridges_get_more_air(usual, bridging):
+    settings = SETTINGS.changed({"fan_speed": usual, "bridge_fan_speed": bridging, "disable_fan_first_layers": 2})
+    moves = rosette(30, 40)
+    strands = np.flatnonzero(moves.extrudes)
+    spanning = np.repeat(np.random.default_rng(5).random(len(strands) // 17 + 1) < 0.3, 17)[: len(strands)]
+    moves.feature[strands[spanning]] = Feature.BRIDGE
+    told = Firmware().run(gcode_text(moves, settings, []).decode())
+    speed = np.where(spanning, max(usual, bridging), usual) * (moves.layer[strands] >= 2)
+    np.testing.assert_array_equal(told.blown, np.round(speed * 2.55))
+    assert told.fan == {0: 0, 1: 0}
+
+
 def test_the_fan_is_left_alone_where_it_is_off_or_the_printer_has_none():
     moves = rosette(4, 50)
     assert b"M10" not in gcode_text(moves, SETTINGS, []).replace(b"M104", b"").replace(b"M109", b"")
     makerbot = PrintSettings()
     with_fan = gcode_text(moves, makerbot.changed({"fan_speed": 100}), [])
-    assert with_fan == gcode_text(moves, makerbot, []).replace(b"fan_speed = 0", b"fan_speed = 100")
+    assert with_fan == gcode_text(moves, makerbot, []).replace(b"; fan_speed = 0", b"; fan_speed = 100")
     assert preset_values(["pla"])["fan_speed"] == 100 and preset_values(["abs_black"])["fan_speed"] == 0
 
 
