@@ -60,8 +60,8 @@ def test_scene_to_gcode_to_preview(scene, printed, gcode):
         assert len(new) == pytest.approx(len(old), rel=0.01)
         for these, those in ((old, new), (new, old)):
             away = np.array([np.abs(those - point).max(axis=1).min() for point in these])
-            assert (away <= 0.002).mean() > 0.995
-            assert away.max() < 0.3  # points along lines over air that only one of them needs
+            assert (away <= 0.002).mean() > 0.99
+            assert away.max() < 0.3  # points along lines over air that only one of them needs, as at turns of the fill
 
 
 def test_x3g_is_as_exact_as_its_steps(printed, tmp_path):
