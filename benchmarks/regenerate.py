@@ -2,8 +2,8 @@
 
     python benchmarks/regenerate.py [--model NAME] [--data FOLDER] [--repeat N] [--write]
 
-Each run goes from mesh arrays in memory to a written G-code file, with what an earlier run has computed at hand, as in
-Blender. Between two changes the job is run as it was, so that each change starts from the same state.
+Each run goes from mesh arrays in memory to a written G-code file, with what an earlier run has computed at hand, as an
+export from Blender does. Between two changes the job is run as it was, so that each change starts from the same state.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def timed(model: Any, settings: Any, cache: Any) -> Times:
     from dualcolor.core.pipeline import generate
 
     began, cpu = perf_counter(), os.times()
-    export_gcode(generate(model, settings, cache=cache), Path(os.devnull))
+    export_gcode(generate(model, settings, cache=cache, begin_gcode=True), Path(os.devnull))
     wall, now = perf_counter() - began, os.times()
     return wall, now.user + now.system - cpu.user - cpu.system
 

@@ -82,7 +82,7 @@ def steps(
         wall = yield from wall_stages(model, settings, stages)
         paths = yield from path_stages(wall, settings, stages)
         yield stages.begin(0.9, "analysis")
-        begun = stages.aside("gcode", begin_text, paths.moves, settings) if begin_gcode else None
+        begun = stages.aside("gcode", begin_text, paths.moves, settings, kept=False) if begin_gcode else None
         times = stages.run_layers("time", summary, summary_anew, (paths.moves,), settings)
         report = findings(model, wall, paths, *times, settings)
     report |= stages.ended()

@@ -29,7 +29,7 @@ class PrintExport(FileJob):
         """Print the chosen objects unless that is done, and write the file."""
         obj = source_of(context.object)
         path = Path(bpy.path.abspath(self.filepath))
-        result = yield from printed(context, reuse=True)
+        result = yield from printed(context, reuse=True, begin_gcode=self.kind == "gcode")
         # In one step with the strands: whoever stops the job then finds nothing changed.
         result = WRITERS[self.kind](result, path)
         set_report(obj.dualcolor, result.report)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 
 import bpy
 
@@ -33,7 +34,9 @@ def active_model(context: bpy.types.Context) -> tuple[bpy.types.Object, SurfaceM
     return obj, plate_model([obj], context.evaluated_depsgraph_get(), settings, [obj.dualcolor.image]), settings
 
 
-def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None, DualColorPrint]:
+def printed(
+    context: bpy.types.Context, reuse: bool, begin_gcode: bool = False
+) -> Generator[Progress, None, DualColorPrint]:
     """Print the chosen objects as they are now, show their strands and store the report with the active one.
 
     Nothing is touched before the end.
@@ -41,6 +44,7 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
     Args:
         context: says which objects; the active one has the settings.
         reuse: whether the last print will do if nothing has changed since.
+        begin_gcode: whether its G-code is asked for at once.
 
     Raises:
         PrintError: it cannot be printed.
@@ -55,7 +59,7 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
     digest = digest_of(model, settings)
     result = kept(obj, digest) if reuse else None
     if result is None:
-        job = steps(model, settings, stages_of(obj))
+        job = steps(model, settings, stages_of(obj), begin_gcode)
         result = yield from translated(job, lambda step: (step[0] * _SHARE_OF_PIPELINE, step[1]))
         yield _SHARE_OF_PIPELINE, "strands"
         check_present(objects)
@@ -63,7 +67,7 @@ def printed(context: bpy.types.Context, reuse: bool) -> Generator[Progress, None
         if context.object is None:  # one of the former strands was active
             make_active(context, obj)
         set_report(obj.dualcolor, result.report)
-        keep(obj, digest, result)
+        keep(obj, digest, replace(result, begun=None))  # as large as the file
     return result
 
 

@@ -61,9 +61,10 @@ class Stages:
         self._clock.begin(name)
         return done, name
 
-    def aside(self, name: str, work: Callable[..., Any], *inputs: Any) -> Future[Any]:
+    def aside(self, name: str, work: Callable[..., Any], *inputs: Any, kept: bool = True) -> Future[Any]:
         """Run work in the second thread, one piece after the other; its arguments may be results of earlier pieces."""
-        return self._beside.submit(self._clock.timed, name, lambda: self.run(name, work, *map(_known, inputs)))
+        run = self.run if kept else NoCache().run
+        return self._beside.submit(self._clock.timed, name, lambda: run(name, work, *map(_known, inputs)))
 
     def ended(self) -> dict[str, Any]:
         """The part of the report on time and memory, after the last stage."""
