@@ -160,7 +160,6 @@ PRINT_DETAILS = (
         "extrusion",
         "Extrusion and Retraction",
         (
-            "extrusion_multiplier",
             "bridge_flow",
             "retract_length",
             "retract_length_toolchange",
@@ -185,6 +184,8 @@ PRINT_DETAILS = (
             "black_tool",
             "filament_diameter_0",
             "filament_diameter_1",
+            "extrusion_multiplier_0",
+            "extrusion_multiplier_1",
             "filament_density",
             "filament_cost",
             "nozzle_temperature_0",

@@ -240,7 +240,6 @@ class PrintSettings(Declared):
     max_volumetric_speed: float = setting(8.0, "Most plastic melted per second; 0 is no limit", "mm3/s", 0.0, 50.0)
 
     # Extrusion and retraction
-    extrusion_multiplier: float = setting(1.0, "Factor on all extruded amounts", "", 0.5, 2.0)
     bridge_flow: float = setting(1.0, "Factor on the amount extruded for solid fill and walls over air", "", 0.3, 2.0)
     retract_length: float = setting(1.3, "Filament pulled back before a travel", "mm", 0.0, 10.0)
     retract_length_toolchange: float = setting(4.0, "Filament pulled back before a tool change", "mm", 0.0, 20.0)
@@ -273,6 +272,8 @@ class PrintSettings(Declared):
     black_tool: int = _filament(0, "Tool with the black filament: 0 is the right nozzle, 1 the left", "", 0, 1)
     filament_diameter_0: float = _filament(1.75, "Diameter of the filament in tool 0", "mm", 1.0, 3.5)
     filament_diameter_1: float = _filament(1.75, "Diameter of the filament in tool 1", "mm", 1.0, 3.5)
+    extrusion_multiplier_0: float = _filament(1.0, "Factor on all amounts that tool 0 extrudes", "", 0.5, 2.0)
+    extrusion_multiplier_1: float = _filament(1.0, "Factor on all amounts that tool 1 extrudes", "", 0.5, 2.0)
     filament_density: float = _filament(1.04, "Density of the filament; ABS is 1.04", "g/cm3", 0.5, 5.0)
     filament_cost: float = _filament(25.0, "Price of the filament, in any currency", "per kg", 0.0, 10000.0)
     nozzle_temperature_0: float = _filament(230.0, "Temperature of tool 0", "°C", 0.0, 280.0)
@@ -324,6 +325,11 @@ class PrintSettings(Declared):
             SettingsError: its file lacks a fact or has a wrong one.
         """
         return printer_profile(self.printer)
+
+    @property
+    def extrusion_multipliers(self) -> tuple[float, float]:
+        """Factor on what each tool extrudes."""
+        return self.extrusion_multiplier_0, self.extrusion_multiplier_1
 
     @property
     def is_solid(self) -> bool:

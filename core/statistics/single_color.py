@@ -107,7 +107,7 @@ def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray,
     taken = _as_known(guess, known > least, single)[others]
     if (known <= least).any():
         strand = np.where(moves.extrudes, moves.filament / np.maximum(moves.width * moves.height, _LEAST_MM2), 0.0)
-        section = np.pi / 4 * settings.filament_diameter_0**2 / settings.extrusion_multiplier
+        section = np.pi / 4 * settings.filament_diameter_0**2 / settings.extrusion_multiplier_0
         wall = single.wall * settings.outline_speed
         slowest = _by_layer(moves, weight * strand * section, wall, settings) / settings.min_print_speed
         slowed = _as_known(slowest, known < _SLOWED * least, single)[others]

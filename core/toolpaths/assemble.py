@@ -104,9 +104,9 @@ def _filament(
 ) -> FloatArray:
     """(N,) mm of filament that the line takes that leaves each point; arguments as in `_extrusions`."""
     diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    section = np.pi / 4 * diameter**2
+    factor = np.array(settings.extrusion_multipliers)[tool] / (np.pi / 4 * diameter**2)
     filament = length * paths.width
-    filament *= np.repeat(layers.height[paths.layer] * settings.extrusion_multiplier / section, np.diff(paths.start))
+    filament *= np.repeat(layers.height[paths.layer] * factor, np.diff(paths.start))
     return filament
 
 

@@ -42,7 +42,7 @@ def recovered_moves(
         fed: (M,) mm of filament during each row.
         speed: (M,) mm/s.
         feature: (M,) a `Feature` for rows that extrude, `UNKNOWN` where the file does not say.
-        settings: diameters of the filament, and the width that lines usually have.
+        settings: diameters of the filament, extrusion multipliers, and the width that lines usually have.
         steps: resolution of positions and filament in mm.
         stated: (M,) mm, the width that comments in the file state; it counts where the filament agrees with it.
 
@@ -99,13 +99,14 @@ def _line_widths(
         moves: with all but the widths.
         rows: (K,) those that lay down a strand.
         way: (K,) mm, length of each.
-        settings: diameters of the filament, and the width that lines usually have.
+        settings: diameters of the filament, extrusion multipliers, and the width that lines usually have.
         steps: resolution of positions and filament in mm.
         stated: (K,) mm, widths that the file states, or None.
     """
     fed = moves.filament[rows]
     diameter = np.where(moves.tool[rows] == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    area = fed * (np.pi / 4 / settings.extrusion_multiplier) * diameter**2 / moves.height[rows]
+    fed_too_much = np.array(settings.extrusion_multipliers)[moves.tool[rows]]
+    area = fed * (np.pi / 4) * diameter**2 / (fed_too_much * moves.height[rows])
     begins = np.ones(len(rows), dtype=bool)
     begins[1:] = (np.diff(rows) > 1) | (np.diff(moves.layer[rows]) != 0) | (np.diff(moves.feature[rows]) != 0)
     doubt = 1.42 * steps[0] / way + steps[1] / fed  # both ends may be off by half a diagonal

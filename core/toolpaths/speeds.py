@@ -45,11 +45,11 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
         paths: K paths in printing order.
         layers: the stack.
         length: (N,) mm from each point to the next, see `chord_lengths`.
-        settings: the speeds and their limits and extrusion_multiplier are used.
+        settings: the speeds and their limits and the greater one of the extrusion multipliers are used.
     """
     asked = feature_speeds(settings)[paths.feature]
     asked = np.where(paths.layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
-    height = layers.height[paths.layer] * settings.extrusion_multiplier
+    height = layers.height[paths.layer] * max(settings.extrusion_multipliers)
     traveled = np.zeros(len(length) + 1)
     np.cumsum(length, out=traveled[1:])
     queue, seconds = settings.printer_profile.queue_moves, settings.min_move_time / 1000

@@ -50,7 +50,12 @@ def assert_same_strands(found, expected):
 @pytest.mark.parametrize("printer", ["replicator_2x", "marlin_dual"])
 def test_a_print_comes_back_from_its_file(printer):
     settings = PrintSettings(
-        printer=printer, infill_density=20.0, sag=0.1, filament_diameter_1=1.8, extrusion_multiplier=1.1
+        printer=printer,
+        infill_density=20.0,
+        sag=0.1,
+        filament_diameter_1=1.8,
+        extrusion_multiplier_0=1.1,
+        extrusion_multiplier_1=0.95,
     )
     result = generate(box((0, 0, 0), (14, 11, 3)), settings)
     read = read_gcode(gcode_text(result.moves, settings, ["object = Brick"]), "file")

@@ -47,6 +47,14 @@ def test_a_plain_travel():
     assert moves.position[rows].tolist() == [[0, 0, 0.25], [30, 0, 0.25], [30, 0, 0.25]]
 
 
+def test_each_filament_has_a_flow_and_a_diameter_of_its_own():
+    flow = {"extrusion_multiplier_0": 1.1, "extrusion_multiplier_1": 0.9, "filament_diameter_1": 1.8}
+    moves = printed([RING, RING], [0, 1], **flow)
+    fed = [moves.filament[moves.extrudes & (moves.tool == tool)].sum() for tool in (0, 1)]
+    strand = 40 * 0.4 * 0.25 / (np.pi / 4)
+    assert fed == pytest.approx([1.1 * strand / 1.75**2, 0.9 * strand / 1.8**2])
+
+
 def test_a_short_travel_only_moves():
     moves = printed([RING, [[1, 0], [30, 5]]], [0, 0], z_hop=1.0, wipe=2.0)
     rows = approach_of(moves)

@@ -90,7 +90,7 @@ def test_paths_do_not_see_each_other():
 
 
 def test_no_more_plastic_than_melts():
-    settings = FREE.changed({"max_volumetric_speed": 8, "extrusion_multiplier": 1.25})
+    settings = FREE.changed({"max_volumetric_speed": 8, "extrusion_multiplier_1": 1.25})
     speed = speeds(wall([[0, 0], [50, 0]], width=0.8), settings)[0]
     assert speed == 32  # 8 / (0.8 · 0.25 · 1.25)
 
