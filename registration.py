@@ -29,7 +29,7 @@ from .operators.supports import DUALCOLOR_OT_mark_support, DUALCOLOR_OT_select_s
 from .operators.unwrap import OPERATORS as UNWRAP_OPERATORS
 from .panels import bed
 from .panels import scrubber as scrubber_panel
-from .panels.object_menu import DUALCOLOR_MT_object, draw_object_entry, draw_paint_entry
+from .panels.object_menu import DUALCOLOR_MT_object, draw_faces_entries, draw_object_entry, draw_paint_entry
 from .panels.presets import MENUS
 from .panels.sidebar import PANELS
 
@@ -76,6 +76,7 @@ def register() -> None:
     bpy.types.VIEW3D_MT_add.append(add.draw_add_entry)
     bpy.types.VIEW3D_MT_object.append(draw_object_entry)
     bpy.types.VIEW3D_MT_editor_menus.append(draw_paint_entry)
+    bpy.types.VIEW3D_MT_edit_mesh_faces.append(draw_faces_entries)
     bpy.types.IMAGE_MT_image.append(draw_image_entry)
     _handles.append(bpy.utils.register_cli_command(PROGRAM, _command_line))
 
@@ -89,6 +90,7 @@ def unregister() -> None:
     bed.unregister()
     scrubber_panel.unregister()
     bpy.types.IMAGE_MT_image.remove(draw_image_entry)
+    bpy.types.VIEW3D_MT_edit_mesh_faces.remove(draw_faces_entries)
     bpy.types.VIEW3D_MT_editor_menus.remove(draw_paint_entry)
     bpy.types.VIEW3D_MT_object.remove(draw_object_entry)
     bpy.types.VIEW3D_MT_add.remove(add.draw_add_entry)

@@ -53,9 +53,11 @@ def main(path: Path) -> dict[str, float]:
     load_package()
     import bpy
     import dualcolor
-    from dualcolor.bridge.pictures.render import render_prediction
+    from dualcolor.bridge.pictures.views import picture_steps
     from dualcolor.bridge.quiet import quiet_stdout
     from dualcolor.bridge.strands.preview import build_preview
+    from dualcolor.core.pictures.viewing import USUAL_VIEW, PictureOptions
+    from dualcolor.core.progress import drained
 
     figures: dict[str, float] = {}
     result = timed("job", lambda: print_of(path), figures)
@@ -78,8 +80,9 @@ def main(path: Path) -> dict[str, float]:
         figures[f"{name}_s"] /= 20
         figures[f"{name}_cpu_s"] /= 20
     with tempfile.TemporaryDirectory() as folder, quiet_stdout():
-        picture = Path(folder) / "picture.png"
-        timed("render", lambda: render_prediction(collection, picture, RESOLUTION, SAMPLES, whole_plate=True), figures)
+        files = {USUAL_VIEW: Path(folder) / "picture.png"}
+        options = PictureOptions(resolution=RESOLUTION, samples=SAMPLES, whole_plate=True)
+        timed("render", lambda: drained(picture_steps(collection, files, options)), figures)
     figures["peak_mb"] = peak_mb()
     return figures
 

@@ -22,6 +22,8 @@ _REPORTED = ("bounds_mm", "layers", "time_s", "filament", "settings", "warnings"
 _LABELS = {declared.name: declared.name.replace("_", " ").title() for declared in fields(PrintSettings)}
 _NAMES = re.compile(rf"\b({'|'.join(name for name in _LABELS if '_' in name)})\b")
 _SEARCHED = {"seam_visibility": visibility_names}
+OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
+"""An object of another file that is overridden in this one has settings of its own."""
 FLOAT_DIGITS = 6
 """A FloatProperty is single precision: 0.2 comes back as 0.200000003, which six significant digits undo."""
 
@@ -45,7 +47,7 @@ def property_of(declared: Field[Any]) -> Any:
     """
     limits, default = declared.metadata, declared.default
     common = {"name": label_of(declared), "default": default, "description": limits["description"]}
-    common["update"] = _settings_changed
+    common |= {"update": _settings_changed, "override": OVERRIDABLE}
     if limits["choices"]:
         items = [(choice, choice.replace("_", " ").title(), "") for choice in limits["choices"]]
         return bpy.props.EnumProperty(items=items, **common)
@@ -137,25 +139,31 @@ _OWN = {
     "image": bpy.props.PointerProperty(
         type=bpy.types.Image,
         name="Image",
+        override=OVERRIDABLE,
         description="Picture to print; without one the image of the material, then the active color attribute is used",
         update=_image_changed,
     ),
     "support_enforcers": bpy.props.PointerProperty(
         type=bpy.types.Collection,
         name="Enforcers",
+        override=OVERRIDABLE,
         description="Overhangs inside the meshes of this collection get supports; the meshes are not printed",
     ),
     "support_blockers": bpy.props.PointerProperty(
         type=bpy.types.Collection,
         name="Blockers",
+        override=OVERRIDABLE,
         description="Overhangs inside the meshes of this collection get no supports; the meshes are not printed",
     ),
-    "report": bpy.props.StringProperty(name="Report", description="Figures of the last job, JSON", options={"HIDDEN"}),
+    "report": bpy.props.StringProperty(
+        name="Report", description="Figures of the last job, JSON", options={"HIDDEN"}, override=OVERRIDABLE
+    ),
     "findings": bpy.props.StringProperty(
-        name="Findings", description="What the last check found, JSON", options={"HIDDEN"}
+        name="Findings", description="What the last check found, JSON", options={"HIDDEN"}, override=OVERRIDABLE
     ),
     "show_bed": bpy.props.BoolProperty(
         name="Show Bed",
+        override=OVERRIDABLE,
         description="Draw the printer's volume that both nozzles reach, and each nozzle's reach on the bed",
     ),
     "show_print": bpy.props.BoolProperty(
@@ -180,7 +188,7 @@ DualColorProperties = type(
 def register() -> None:
     """Give every object its settings."""
     bpy.utils.register_class(DualColorProperties)
-    bpy.types.Object.dualcolor = bpy.props.PointerProperty(type=DualColorProperties)
+    bpy.types.Object.dualcolor = bpy.props.PointerProperty(type=DualColorProperties, override=OVERRIDABLE)
 
 
 def unregister() -> None:

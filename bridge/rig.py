@@ -1,4 +1,7 @@
-"""Moving an object together with what shapes its mesh from outside: its armature, lattice, hooks, cutters."""
+"""Moving an object together with what shapes its mesh from outside: its armature, lattice, hooks, cutters.
+
+Cutters that are printed themselves too: a peg still fits the hole that it has cut, and the object looks as before.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,9 @@ import bpy
 from mathutils import Matrix
 
 from ..core.errors import MeshError
+from .node_inputs import input_objects
+
+_ONLOOKERS = ("CAMERA", "LIGHT")
 
 
 def movers(obj: bpy.types.Object) -> list[bpy.types.Object]:
@@ -16,7 +22,9 @@ def movers(obj: bpy.types.Object) -> list[bpy.types.Object]:
     """
     found = {obj.name: obj}
     for modifier in obj.modifiers:
-        named = (getattr(modifier, name) for name in _object_properties(modifier))
+        named = [getattr(modifier, name) for name in _object_properties(modifier)]
+        if modifier.type == "NODES":  # which may also name a camera, or objects of other files as mere shapes
+            named += [other for other in input_objects(modifier) if other.is_editable and other.type not in _ONLOOKERS]
         found |= {other.name: other for other in named if other}
     return [each for each in found.values() if not any(above in found.values() for above in _parents(each))]
 

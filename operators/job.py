@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import suppress
+from inspect import GEN_CREATED, getgeneratorstate
 
 import bpy
 
 from ..bridge.properties import with_labels
-from ..core.errors import PrintError
+from ..core.errors import MeshError, PrintError
 from ..core.progress import Progress, drained
 from ..core.records import dataclass
 
@@ -32,6 +33,8 @@ class JobOperator:
     running: RunningJob | None = None
     outcome = "INFO"
     """How the message at the end is reported; a job that has found something sets it to WARNING."""
+    bound_to_scene = True
+    """Whether the scene in which the job began must be the current one until its end."""
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """The job.
@@ -61,7 +64,7 @@ class JobOperator:
             self.report({"WARNING"}, f"Wait for the end of the job that is running ({JobOperator.running.stage})")
             return {"CANCELLED"}
         manager = context.window_manager
-        self._job, self._workspace = self.steps(context), context.workspace
+        self._job, self._workspace, self._scene = self.steps(context), context.workspace, context.scene.session_uid
         self._timer = manager.event_timer_add(0.02, window=context.window)
         manager.progress_begin(0, 100)
         manager.modal_handler_add(self)
@@ -78,6 +81,7 @@ class JobOperator:
             return {"RUNNING_MODAL"}
         outcome = {"CANCELLED"}
         try:
+            self._check_place(context)
             self._show(context, *next(self._job))
             outcome = {"RUNNING_MODAL"}
         except StopIteration as finished:
@@ -101,6 +105,17 @@ class JobOperator:
         with suppress(ReferenceError):  # another file is opened
             self._workspace.status_text_set(None)
         _redraw_sidebars(context)
+
+    def _check_place(self, context: bpy.types.Context) -> None:
+        """Check that all is still there after what may have been done in another window since the last step.
+
+        Raises:
+            PrintError: the object is gone before the job has begun, or another scene is shown.
+        """
+        if getgeneratorstate(self._job) == GEN_CREATED and not self.poll(context):
+            raise MeshError("the object was deleted before the job began", "undo that, or choose another object")
+        if self.bound_to_scene and context.scene.session_uid != self._scene:
+            raise PrintError("another scene was chosen while the job ran", "start it again in the object's scene")
 
     def _show(self, context: bpy.types.Context, share: float, stage: str) -> None:
         JobOperator.running = RunningJob(share, stage, self)

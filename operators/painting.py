@@ -145,12 +145,12 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         """Bake, then exchange the picture; an object without one gets a white one first."""
         obj = context.object
         former = picture_of(obj)
-        texel = obj.dualcolor.layer_height / 2
-        size = image_size(former) if former else (picture_size(obj, texel),) * 2
+        side = picture_size(obj, obj.dualcolor.layer_height / 2)
+        size = image_size(former) if former else (side, side)
         uv_map = picture_uv(obj).name if former else ""
         job = occlusion_steps(obj, size, self.distance, self.samples, uv_map)
         shade = yield from translated(job, lambda share: (share, "baking ambient occlusion"))
-        image = former or give_picture(obj, texel, 1.0)
+        image = former or give_picture(obj, side, 1.0)
         made = darkened(image, shade, self.strength)
         exchange_picture(obj, image, made)
         if not former:

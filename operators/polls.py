@@ -21,6 +21,16 @@ def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> 
     return True
 
 
+def has_own_settings(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Whether the settings of what is active can be changed: they are not another file's; sets the poll message."""
+    if not has_printable(cls, context):
+        return False
+    if source_of(context.object).library:
+        cls.poll_message_set(MAKE_LOCAL)
+        return False
+    return True
+
+
 def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether a mesh with faces is active and not in Edit Mode; sets the poll message."""
     obj = context.object

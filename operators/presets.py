@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy_extras.io_utils import ExportHelper, ImportHelper
+from bpy_extras.io_utils import ImportHelper
 
 from ..bridge import preset_folder
 from ..bridge.properties import from_settings, to_settings, values_of
@@ -24,7 +24,8 @@ from ..core.settings.presets import (
     save_preset,
     settings_json,
 )
-from .polls import has_printable
+from .file_choice import FileChoice
+from .polls import has_own_settings, has_printable
 
 _KIND_ITEMS = [(kind, kind.title(), "") for kind in KINDS]
 
@@ -56,6 +57,15 @@ class _SettingsOperator:
         return {"FINISHED"}
 
 
+class _ChangesSettings(_SettingsOperator):
+    """What operators that give an object other settings have in common."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """An object whose settings are kept in this file is needed."""
+        return has_own_settings(cls, context)
+
+
 def _change(group: bpy.types.PropertyGroup, values: dict[str, Any]) -> None:
     """Give an object some settings, validated with its others.
 
@@ -65,7 +75,7 @@ def _change(group: bpy.types.PropertyGroup, values: dict[str, Any]) -> None:
     from_settings(group, PrintSettings().changed({**values_of(group), **values}))
 
 
-class DUALCOLOR_OT_apply_preset(_SettingsOperator, bpy.types.Operator):
+class DUALCOLOR_OT_apply_preset(_ChangesSettings, bpy.types.Operator):
     """Take over the settings of this preset"""
 
     bl_idname = "dualcolor.apply_preset"
@@ -126,7 +136,7 @@ class DUALCOLOR_OT_remove_preset(_SettingsOperator, bpy.types.Operator):
         return f"Preset {self.name} removed"
 
 
-class DUALCOLOR_OT_reset_settings(_SettingsOperator, bpy.types.Operator):
+class DUALCOLOR_OT_reset_settings(_ChangesSettings, bpy.types.Operator):
     """Give the object the defaults of all settings"""
 
     bl_idname = "dualcolor.reset_settings"
@@ -139,7 +149,7 @@ class DUALCOLOR_OT_reset_settings(_SettingsOperator, bpy.types.Operator):
         return "All settings have their defaults"
 
 
-class DUALCOLOR_OT_import_settings(_SettingsOperator, ImportHelper, bpy.types.Operator):
+class DUALCOLOR_OT_import_settings(_ChangesSettings, ImportHelper, bpy.types.Operator):
     """Read settings from a JSON file or from the header of a G-code file of this program"""
 
     bl_idname = "dualcolor.import_settings"
@@ -156,7 +166,7 @@ class DUALCOLOR_OT_import_settings(_SettingsOperator, ImportHelper, bpy.types.Op
         return f"{len(values)} settings from {path.name}"
 
 
-class DUALCOLOR_OT_export_settings(_SettingsOperator, ExportHelper, bpy.types.Operator):
+class DUALCOLOR_OT_export_settings(_SettingsOperator, FileChoice, bpy.types.Operator):
     """Write all settings of the object as JSON"""
 
     bl_idname = "dualcolor.export_settings"

@@ -47,6 +47,7 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, FileJob, bpy.types.Operator):
     """Render the strands in a small studio with Cycles, which takes about a minute, and show the picture"""
 
     _written: tuple[Path, ...] = ()
+    bound_to_scene = False  # it has one of its own
 
     bl_idname = "dualcolor.render_prediction"
     bl_label = "Render Predicted Print"

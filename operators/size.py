@@ -9,10 +9,11 @@ import numpy as np
 
 from ..bridge.bed import bounds_mm, scale_to_height
 from ..bridge.properties import repaint_proof
+from ..bridge.rig import movers
 from ..bridge.strands.preview import source_of
 from ..bridge.units import LENGTH_DIGITS, mm_per_unit, use_millimeters
 from ..core.errors import PrintError
-from .polls import MAKE_LOCAL, has_printable
+from .polls import has_own_settings
 from .viewing import frame_selected
 
 _USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0
@@ -39,10 +40,7 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """An object with a surface is needed, not in Edit Mode."""
-        if not has_printable(cls, context):
-            return False
-        if source_of(context.object).library:
-            cls.poll_message_set(MAKE_LOCAL)
+        if not has_own_settings(cls, context):
             return False
         if source_of(context.object).mode == "EDIT":
             cls.poll_message_set("Leave Edit Mode first")
@@ -64,6 +62,7 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
             return {"CANCELLED"}
         if self.scene_in_mm:
             use_millimeters(context.scene)
+        others = [each.name for each in movers(obj) if each != obj]
         try:
             scale_to_height(obj, self.height)
         except PrintError as problem:
@@ -74,7 +73,8 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
         frame_selected(context)
         now = _height(obj)
         if math.isclose(now, self.height, rel_tol=_CLOSE):
-            self.report({"INFO"}, f"{obj.name} is {now:.1f} mm high")
+            along = f"; scaled with it: {', '.join(others)}" if others else ""
+            self.report({"INFO"}, f"{obj.name} is {now:.1f} mm high{along}")
         else:
             self.report({"WARNING"}, f"{obj.name} is {now:.1f} mm high: a constraint, driver or keyframe sets its size")
         return {"FINISHED"}

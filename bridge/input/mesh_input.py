@@ -24,6 +24,7 @@ WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
 SUPPORT_ATTRIBUTE = "dualcolor_support"
 """Whole number of each face: above 0 it enforces supports, below 0 it blocks them."""
 NO_FACES_HINT = "choose a mesh with a closed surface; instances need Geometry Nodes' Realize Instances"
+DISABLED_HINT = "turn on the screen icon of the object, or of its collection, in the outliner"
 UNWRAP_HINT = "unwrap it first (in Blender: Paint > Smart UV Project; on the command line: --unwrap smart)"
 
 
@@ -90,6 +91,10 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
         obj.update_from_editmode()
         depsgraph.update()
     evaluated = obj.evaluated_get(depsgraph)
+    try:
+        evaluated.evaluated_geometry()
+    except TypeError:  # how Blender tells that it leaves the object out
+        raise MeshError(f"{obj.name} is disabled in viewports", DISABLED_HINT) from None
     mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
         if mesh is None or not len(mesh.polygons):

@@ -82,9 +82,11 @@ def darkened(image: bpy.types.Image, shade: Float32Array, strength: float) -> bp
         strength: 0 darkens nothing, 1 by all of it.
 
     Raises:
-        TextureError: the picture has no pixels.
+        TextureError: the picture has no pixels, or another size.
     """
     pixels = image_pixels(image)
+    if pixels.shape[:2] != shade.shape:
+        raise TextureError(f"the image {image.name} was resized while it was worked on", "start again")
     colors = pixels[..., : 3 if pixels.shape[2] > 2 else 1]
     light = (1.0 - strength * (1.0 - shade))[..., None]
     colors[:] = srgb_from_linear(linear_from_srgb(colors) * light) if is_encoded(image) else colors * light

@@ -46,7 +46,7 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
         smart_project(obj)
     image = picture_of(obj)
     if image is None:
-        image = give_picture(obj, texel_mm, background_tone)
+        image = give_picture(obj, picture_size(obj, texel_mm), background_tone)
     picture_uv(obj).active = True  # by which strokes go
     if obj.mode != "TEXTURE_PAINT":
         bpy.ops.object.mode_set(mode="TEXTURE_PAINT")
@@ -58,13 +58,9 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
     return image
 
 
-def give_picture(obj: bpy.types.Object, texel_mm: float, tone: float) -> bpy.types.Image:
-    """Give an object that has a UV map a new picture of one tone, fine enough for the print.
-
-    Raises:
-        TextureError: the UV map has no area.
-    """
-    image = _new_picture(f"{obj.name} Tone", picture_size(obj, texel_mm), tone)
+def give_picture(obj: bpy.types.Object, side: int, tone: float) -> bpy.types.Image:
+    """Give an object that has a UV map a new square picture of one tone, with `side` texels each way."""
+    image = _new_picture(f"{obj.name} Tone", side, tone)
     if any(obj.data.materials):
         obj.dualcolor.image = image  # the materials stay as they are
     else:
@@ -108,6 +104,9 @@ def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
     """Side of a square picture, a power of two, whose texels are no larger than `texel_mm` on the surface.
 
     Objects too large for the printer count as large as it can print: the cube of a new scene is two meters wide.
+
+    Raises:
+        TextureError: the UV map has no area.
     """
     printer = printer_profile(obj.dualcolor.printer)
     size = np.ptp(bounds_mm([obj]), axis=0)

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
-from io import BytesIO
-from os import PathLike
 from pathlib import Path
 
 import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core.errors import OutputError, PrintError
-from ...core.files import write_file
+from ...core.errors import PrintError
 from ...core.model import FloatArray, SurfaceModel
 from ...core.paths import Feature
 from ...core.pictures.viewing import Picture
-from ...core.progress import drained
 from ..strands.scrubber import strands_in
 from ..strands.strand_curves import read_strands, set_drawing
 from ..units import mm_per_unit
@@ -37,40 +33,11 @@ BESIDE_THE_OBJECT = (
 """Features that are not of the object; all others are."""
 
 STUDIO_SIZE = 100.0
+_KINDS = ("scenes", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials", "images")
 
 
 class RenderStoppedError(Exception):
     """The user has stopped Blender's render."""
-
-
-def render_prediction(
-    collection: bpy.types.Collection,
-    path: str | PathLike[str],
-    resolution: tuple[int, int] = (900, 900),
-    samples: int = 64,
-    azimuth_deg: float = -30.0,
-    elevation_deg: float = 18.0,
-    whole_plate: bool = False,
-) -> None:
-    """Render the strands of a preview to a PNG file; the scenes, the view and the settings stay as they are.
-
-    Args:
-        collection: made by `build_preview`.
-        path: of the picture.
-        resolution: width and height in pixels.
-        samples: of each pixel at most; even surfaces get as few as 8.
-        azimuth_deg: where the camera stands: 0 in front (-Y), positive to the right of it.
-        elevation_deg: how far above the horizon it stands.
-        whole_plate: with the cleaning tower, the skirt and the supports; otherwise the object alone.
-
-    Raises:
-        PrintError: there are no strands to show.
-        OutputError: the file cannot be written.
-    """
-    if not Path(path).absolute().parent.is_dir():
-        raise OutputError(f"{path} cannot be written, its folder does not exist", "choose another path")
-    with photographer(collection, resolution, samples, whole_plate) as camera:
-        write_file(path, drained(camera.file(azimuth_deg, elevation_deg)))
 
 
 class Photographer:
@@ -88,10 +55,10 @@ class Photographer:
         self._strands = [held for held in scene.objects if held.type == "CURVES"]
         self.mm_per_pixel = 0.0
 
-    def file(
+    def picture(
         self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False
-    ) -> Generator[None, None, bytes]:
-        """A picture as a PNG file.
+    ) -> Generator[None, None, Picture]:
+        """(H, W, 3) uint8 what the camera sees.
 
         Args:
             azimuth_deg: where the camera stands: 0 in front (-Y), positive to the right of it.
@@ -113,23 +80,16 @@ class Photographer:
             self._painted.hide_render = not painted
         import tempfile
 
+        from PIL import Image
+
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "picture.png"
             self._scene.render.filepath = str(path)
             yield from _rendered(self._scene, self._in_window)
             if not path.is_file():
                 raise RenderStoppedError
-            return path.read_bytes()
-
-    def picture(
-        self, azimuth_deg: float, elevation_deg: float, *, steady: bool = False, painted: bool = False
-    ) -> Generator[None, None, Picture]:
-        """(H, W, 3) uint8 what `file` writes."""
-        from PIL import Image
-
-        data = yield from self.file(azimuth_deg, elevation_deg, steady=steady, painted=painted)
-        with Image.open(BytesIO(data)) as image:
-            return np.asarray(image.convert("RGB"))
+            with Image.open(path) as image:
+                return np.asarray(image.convert("RGB"))
 
 
 @contextmanager
@@ -158,14 +118,17 @@ def photographer(
         PrintError: there are no strands to show.
     """
     unit = mm_per_unit(bpy.context.scene)
-    with leaving_no_trace():
+    with leaving_no_trace() as all_is_made:
         scene = bpy.data.scenes.new("Predicted Print")
         points, factor = _copy_strands(collection, scene, whole_plate)
         painted = painted_model(model, background, factor / unit) if model else None
         if painted:
             scene.collection.objects.link(painted)
         _set_output(scene, resolution, samples)
-        yield Photographer(scene, Studio(scene, points, resolution), painted, unit / factor, in_window)
+        studio = Studio(scene, points, resolution)
+        if in_window:  # where the user may work meanwhile
+            all_is_made()
+        yield Photographer(scene, studio, painted, unit / factor, in_window)
 
 
 def _rendered(scene: bpy.types.Scene, in_window: bool) -> Generator[None, None, None]:
@@ -239,15 +202,28 @@ def _device() -> str:
 
 
 @contextmanager
-def leaving_no_trace() -> Iterator[None]:
-    """Remove every datablock that is created inside, unless Blender is closed while it renders them."""
-    kinds = ("scenes", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials", "images")
-    before = {kind: set(getattr(bpy.data, kind)) for kind in kinds}
+def leaving_no_trace() -> Iterator[Callable[[], None]]:
+    """Remove every datablock that is created inside, unless Blender is closed while it renders them.
+
+    What is created after a call of the function that it gives stays.
+    """
+    before, made = _datablocks(), None
+
+    def all_is_made() -> None:
+        nonlocal made
+        made = _datablocks() - before
+
     try:
-        yield
+        yield all_is_made
     finally:
+        made = _datablocks() - before if made is None else made
         # Blender would wait for the end of a render whose scene is taken away, and the render for Blender.
-        for kind in () if bpy.app.is_job_running("RENDER") else kinds:
+        for kind in () if bpy.app.is_job_running("RENDER") else _KINDS:
             held = getattr(bpy.data, kind)
-            for made in set(held) - before[kind]:
-                held.remove(made)
+            for each in [each for each in held if (kind, each.session_uid) in made]:
+                held.remove(each)
+
+
+def _datablocks() -> set[tuple[str, int]]:
+    """All that there is of the kinds that a studio is made of."""
+    return {(kind, each.session_uid) for kind in _KINDS for each in getattr(bpy.data, kind)}

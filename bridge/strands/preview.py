@@ -44,7 +44,7 @@ def build_preview(
         companions: the other objects on its plate; they are shown as their bounds too.
 
     Returns:
-        The collection, linked to the scene.
+        The collection, linked to the scene and to all others that the source is in.
     """
     scene = bpy.context.scene
     unit = mm_per_unit(scene)
@@ -58,9 +58,10 @@ def build_preview(
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
     _replace_strands(collection, new, name)
     show_all_layers(collection, moves_of_layers(result.moves))
-    if collection not in scene.collection.children_recursive:
-        scene.collection.children.link(collection)
-    set_drawing(scene)
+    for each in {scene, *(source.users_scene if source else ())}:  # in all of them the source is drawn as bounds
+        if collection not in each.collection.children_recursive:
+            each.collection.children.link(collection)
+        set_drawing(each)
     if source:
         show_print(source, False)  # what has left the plate is shown as it was
         collection[SOURCE_KEY] = source

@@ -11,6 +11,7 @@ import bpy
 
 from ...core.model import IntArray
 from ...core.paths import Feature
+from ..node_inputs import set_input
 from .strand_colors import LEGENDS, paint
 
 STRANDS_KEY = "dualcolor_strands"
@@ -46,17 +47,10 @@ def apply_view(collection: bpy.types.Collection) -> None:
         if modifier is not None:
             sockets = {item.name: item.identifier for item in modifier.node_group.interface.items_tree}
             for name, value in zip(_INPUTS, values, strict=True):
-                _set_input(modifier, sockets[name], value)
+                set_input(modifier, sockets[name], value)
             modifier.show_viewport = modifier.show_render = not everything
             shown.update_tag()
         paint(shown, view.color_by)
-
-
-def _set_input(modifier: bpy.types.NodesModifier, identifier: str, value: int) -> None:
-    if bpy.app.version >= (5, 2, 0):
-        getattr(modifier.properties.inputs, identifier).value = value
-    else:
-        modifier[identifier] = value
 
 
 def show_all_layers(collection: bpy.types.Collection, moves: IntArray) -> None:

@@ -65,7 +65,7 @@ def read_photograph(path: Path, as_stored: bool = False) -> Photograph:
             warnings.simplefilter("ignore")
             with Image.open(path) as image:
                 if image.mode.startswith(("I", "F")):
-                    raise CalibrationError(f"{path} has more than 8 bits per color", _HINT)
+                    raise CalibrationError(f"{path} has more than 8 bits per color", "save it with 8 bits")
                 shown = image if as_stored else ImageOps.exif_transpose(image)
                 values = np.asarray(shown.convert("RGB"))
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as problem:

@@ -109,3 +109,8 @@ def test_the_button_exchanges_the_picture(corner):
     assert corner.dualcolor.image not in (first, painted) and painted.users == 0
     corner.data.uv_layers.remove(corner.data.uv_layers[0])
     assert not bpy.ops.dualcolor.bake_occlusion.poll()
+
+
+def test_a_picture_that_was_resized_meanwhile_is_refused(scene):
+    with pytest.raises(TextureError, match="resized"):
+        darkened(flat_image((1, 1, 1, 1), size=8), np.ones((4, 4), dtype=np.float32), 1.0)

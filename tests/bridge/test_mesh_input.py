@@ -147,3 +147,16 @@ def test_curves_and_text_have_a_surface_too():
     text = bpy.context.object
     text.data.extrude = 0.5
     assert len(model_of(text).polygon_start) > 10
+
+
+@pytest.mark.parametrize("held", ["object", "collection"])
+def test_what_is_disabled_in_viewports_is_refused_since_blender_leaves_it_out(held):
+    fresh()
+    obj, collection = add_box(), bpy.data.collections.new("Off")
+    bpy.context.scene.collection.children.link(collection)
+    collection.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    (obj if held == "object" else collection).hide_viewport = True
+    bpy.context.view_layer.update()
+    with pytest.raises(MeshError, match="disabled in viewports"):
+        model_of(obj)

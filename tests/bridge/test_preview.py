@@ -143,3 +143,13 @@ def test_strands_lead_back_to_their_source(cube):
     assert source_of(collection.objects[0]) == cube
     assert source_of(cube) == cube
     assert source_of(None) is None
+
+
+def test_an_object_of_two_scenes_has_its_strands_in_both(cube):
+    """It is drawn as its bounds in both."""
+    other = bpy.data.scenes.new("Other")
+    other.collection.objects.link(cube)
+    collection = build_preview(square_print(), cube)
+    assert all(collection.name in each.collection.children for each in bpy.data.scenes)
+    build_preview(square_print(), cube)
+    assert [len(each.collection.children) for each in bpy.data.scenes] == [1, 1]

@@ -8,10 +8,13 @@ from dualcolor.tests.sample_print import square_print
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.pictures.render import render_prediction  # noqa: E402
+from dualcolor.bridge.pictures.render import leaving_no_trace  # noqa: E402
 from dualcolor.bridge.pictures.studio import camera_axes, camera_place  # noqa: E402
+from dualcolor.bridge.pictures.views import picture_steps  # noqa: E402
 from dualcolor.bridge.strands.preview import build_preview  # noqa: E402
 from dualcolor.core.errors import OutputError, PrintError  # noqa: E402
+from dualcolor.core.pictures.viewing import USUAL_VIEW, PictureOptions  # noqa: E402
+from dualcolor.core.progress import drained  # noqa: E402
 from dualcolor.tests.scene import datablocks  # noqa: E402
 
 
@@ -19,11 +22,16 @@ def png_size(path):
     return struct.unpack(">II", path.read_bytes()[16:24])
 
 
+def render(collection, path, resolution=(48, 48), whole=False):
+    options = PictureOptions(resolution=resolution, samples=4, whole_plate=whole)
+    drained(picture_steps(collection, {USUAL_VIEW: path}, options))
+
+
 def test_a_render_leaves_the_scene_as_it_was(scene, tmp_path):
     collection = build_preview(square_print())
     scene.render.engine, scene.render.filepath = "BLENDER_WORKBENCH", "//kept"
     before, images = datablocks(), set(bpy.data.images)
-    render_prediction(collection, tmp_path / "a.png", (48, 40), samples=4)
+    render(collection, tmp_path / "a.png", (48, 40))
     assert png_size(tmp_path / "a.png") == (48, 40)
     assert datablocks() == before and set(bpy.data.images) == images
     assert bpy.context.scene == scene and scene.camera is None and scene.world is None
@@ -36,7 +44,7 @@ def test_the_picture_shows_the_object_and_not_the_tower(scene, tmp_path):
     tones = {}
     for whole in (False, True):
         path = tmp_path / f"{whole}.png"
-        render_prediction(collection, path, (48, 48), samples=4, whole_plate=whole)
+        render(collection, path, whole=whole)
         picture = bpy.data.images.load(str(path))
         tones[whole] = np.array(picture.pixels[:]).reshape(48, 48, 4)[..., 0]
     # Between the black and white lines of the block the picture varies; a plate with a tower shows the block smaller.
@@ -48,10 +56,20 @@ def test_no_strands_and_no_folder_are_errors(scene, tmp_path):
     empty = bpy.data.collections.new("Empty")
     before = datablocks()
     with pytest.raises(PrintError, match="no strands"):
-        render_prediction(empty, tmp_path / "a.png")
+        render(empty, tmp_path / "a.png")
     with pytest.raises(OutputError):
-        render_prediction(empty, tmp_path / "missing" / "a.png")
+        render(empty, tmp_path / "missing" / "a.png")
     assert datablocks() == before
+
+
+def test_what_the_user_makes_while_a_picture_is_taken_stays(scene):
+    before = datablocks()
+    with pytest.raises(ZeroDivisionError), leaving_no_trace() as all_is_made:
+        bpy.data.scenes.new("Studio").collection.objects.link(bpy.data.objects.new("Lamp", None))
+        all_is_made()
+        kept = bpy.data.objects.new("Mine", None)
+        raise ZeroDivisionError
+    assert datablocks() == before | {"objects": sorted([*before["objects"], kept.name])}
 
 
 @pytest.mark.parametrize("azimuth", [-0.5, 2.0])

@@ -10,9 +10,11 @@ bpy = pytest.importorskip("bpy")
 from dualcolor.bridge.analysis.orientations import keep_orientations, turn  # noqa: E402
 from dualcolor.bridge.bed import bounds_mm, scale_to_height  # noqa: E402
 from dualcolor.bridge.input.mesh_input import evaluated_mesh, world_vertices  # noqa: E402
+from dualcolor.bridge.node_inputs import set_input  # noqa: E402
 from dualcolor.bridge.rig import movers  # noqa: E402
 from dualcolor.core.analysis.orientation import Orientation  # noqa: E402
 from dualcolor.operators.size import DUALCOLOR_OT_scale_to_height  # noqa: E402
+from dualcolor.tests.scene import add_box  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("registered")
 
@@ -47,6 +49,26 @@ def shape_of(obj):
     with evaluated_mesh(obj, graph) as mesh:
         points = world_vertices(mesh, obj.evaluated_get(graph), 1.0)
     return np.linalg.norm(points[:, None] - points, axis=2)
+
+
+def test_what_the_inputs_of_nodes_name_is_scaled_too_but_no_camera():
+    box, camera = add_box((4, 4, 20)), bpy.data.cameras.new("Eye")
+    others = [bpy.data.objects.new("Cutter", None), bpy.data.objects.new("Eye", camera)]
+    group = bpy.data.node_groups.new("Cut", "GeometryNodeTree")
+    modifier = box.modifiers.new("Cut", "NODES")
+    modifier.node_group = group
+    for kind in ("Geometry", "Object", "Object"):
+        group.interface.new_socket(kind, in_out="INPUT", socket_type=f"NodeSocket{kind}")
+    group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    group.links.new(group.nodes.new("NodeGroupInput").outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+    for other, item in zip(others, [item for item in group.interface.items_tree if item.name == "Object"], strict=True):
+        bpy.context.collection.objects.link(other)
+        set_input(modifier, item.identifier, other)
+    others[0].location.z = 10
+    bpy.context.view_layer.update()
+    assert movers(box) == [box, others[0]]
+    scale_to_height(box, 40.0)
+    assert others[0].matrix_world.translation.z == pytest.approx(20)
 
 
 @pytest.mark.parametrize("child", [True, False])

@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import pkgutil
+from types import SimpleNamespace
 
 import pytest
 
@@ -91,6 +92,46 @@ def test_every_property_of_an_object_has_a_name_and_words(classes):
     for made in group.properties:
         if made.identifier not in ("rna_type", "name"):
             assert made.name and made.description, made.identifier
+
+
+IN_PLACE = {
+    "apply_orientation",  # a row of the suggestions
+    "apply_preset",  # menus of their own in the sidebar
+    "remove_preset",
+    "save_preset",
+    "select_finding",  # a row of what the check has found
+}
+
+
+class Menu:
+    """Notes the operators that a menu shows, those of menus inside it too."""
+
+    def __init__(self):
+        self.layout, self.shown = self, set()
+
+    def operator(self, name, **_):
+        self.shown.add(name)
+        return SimpleNamespace()
+
+    def operator_menu_enum(self, name, _property):
+        self.shown.add(name)
+
+    def menu(self, name, **_):
+        getattr(bpy.types, name).draw(self, None)
+
+    def separator(self):
+        pass
+
+
+def test_search_finds_every_operator(operators):
+    """F3 looks through the menus."""
+    menus = "TOPBAR_MT_file_export", "TOPBAR_MT_file_import", "VIEW3D_MT_add", "VIEW3D_MT_object", "IMAGE_MT_image"
+    menu = Menu()
+    for name in (*menus, "VIEW3D_MT_edit_mesh_faces"):
+        for entry in getattr(bpy.types, name)._dyn_ui_initialize():
+            if entry.__module__.startswith("dualcolor"):
+                entry(menu, None)
+    assert {operator.bl_idname for operator in operators} - menu.shown == {f"dualcolor.{name}" for name in IN_PLACE}
 
 
 def test_lengths_are_not_rounded_to_other_lengths(operators):

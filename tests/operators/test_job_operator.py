@@ -11,6 +11,7 @@ from dualcolor.operators.export import DUALCOLOR_OT_export_gcode  # noqa: E402
 from dualcolor.operators.file_choice import ExportHelper, FileJob, proposed_path  # noqa: E402
 from dualcolor.operators.generate import DUALCOLOR_OT_generate  # noqa: E402
 from dualcolor.operators.job import JobOperator, stop_job  # noqa: E402
+from dualcolor.operators.presets import DUALCOLOR_OT_export_settings  # noqa: E402
 
 
 class Window:
@@ -18,7 +19,7 @@ class Window:
 
     def __init__(self):
         self.windows, self.window, self.workspace, self.window_manager = [], None, self, self
-        self.timers, self.status = 0, None
+        self.timers, self.status, self.scene = 0, None, SimpleNamespace(session_uid=1)
 
     def event_timer_add(self, *_args, **_more):
         self.timers += 1
@@ -40,7 +41,10 @@ class Pretended(JobOperator):
     """A job of three steps that writes at its end."""
 
     def __init__(self, problem=None):
-        self.written, self.reports, self.problem = [], [], problem
+        self.written, self.reports, self.problem, self.object_is_there = [], [], problem, True
+
+    def poll(self, context):
+        return self.object_is_there
 
     def report(self, kind, text):
         self.reports.append((*kind, text))
@@ -74,6 +78,28 @@ def test_a_job_whose_object_is_deleted_says_so():
     window, outcome = events(job, ["TIMER"] * 3)
     assert outcome[-1] == {"CANCELLED"} and JobOperator.running is None and window.timers == 0
     assert job.reports[0][0] == "ERROR" and "deleted" in job.reports[0][1]
+
+
+def test_a_job_whose_object_is_gone_before_its_first_step_says_so():
+    job, window = Pretended(), Window()
+    job.invoke(window, None)
+    job.object_is_there = False
+    assert job.modal(window, SimpleNamespace(type="TIMER")) == {"CANCELLED"}
+    assert "deleted" in job.reports[0][1] and JobOperator.running is None
+
+
+def test_a_job_stops_when_another_scene_is_chosen_unless_it_has_one_of_its_own():
+    """The active object, units and the dependency graph would be others."""
+    for bound in (True, False):
+        job, window = Pretended(), Window()
+        job.bound_to_scene = bound
+        job.invoke(window, None)
+        job.modal(window, SimpleNamespace(type="TIMER"))
+        window.scene = SimpleNamespace(session_uid=2)
+        outcome = [job.modal(window, SimpleNamespace(type="TIMER")) for _ in range(1 if bound else 2)]
+        assert outcome[-1] == ({"CANCELLED"} if bound else {"FINISHED"})
+        assert job.written == ([] if bound else [1]) and JobOperator.running is None
+        assert ("another scene" in job.reports[0][1]) == bound
 
 
 def test_a_second_job_waits_for_the_first():
@@ -149,20 +175,22 @@ def test_a_file_is_not_proposed_for_another_object(former, same, proposed):
     assert proposed_path(former, "Cow/1", ".gcode", same) == proposed
 
 
-def test_a_file_browser_that_is_left_changes_nothing(registered, monkeypatch):
+@pytest.mark.parametrize("exporting", [DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_settings])
+def test_a_file_browser_that_is_left_changes_nothing(registered, monkeypatch, exporting):
     """Blender keeps the properties of operators that have finished, and begins the next one with them."""
     monkeypatch.setattr(ExportHelper, "invoke", lambda *_: {"RUNNING_MODAL"})
-    assert "named_for" in bpy.ops.dualcolor.export_gcode.get_rna_type().properties
+    suffix = exporting.filename_ext
+    assert "named_for" in getattr(bpy.ops.dualcolor, exporting.bl_idname[10:]).get_rna_type().properties
     kept = {"filepath": "", "named_for": ""}
 
     def asked(name, finished):
         context = SimpleNamespace(object=bpy.data.objects.get(name) or bpy.data.objects.new(name, None))
-        begun = SimpleNamespace(**kept, filename_ext=".gcode")
-        DUALCOLOR_OT_export_gcode.invoke(begun, context, None)
+        begun = SimpleNamespace(**kept, filename_ext=suffix)
+        exporting.invoke(begun, context, None)
         if finished:
             kept.update(filepath=begun.filepath, named_for=begun.named_for)
         return begun.filepath
 
-    assert asked("Cow", finished=True) == "Cow.gcode"
-    assert [asked("Pig", finished=False), asked("Pig", finished=True)] == ["Pig.gcode", "Pig.gcode"]
-    assert asked("Cow", finished=False) == "Cow.gcode"
+    assert asked("Cow", finished=True) == f"Cow{suffix}"
+    assert [asked("Pig", finished=False), asked("Pig", finished=True)] == [f"Pig{suffix}"] * 2
+    assert asked("Cow", finished=False) == f"Cow{suffix}"

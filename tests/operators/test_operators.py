@@ -25,7 +25,7 @@ def traces() -> set[str]:
     names |= {f"ops.dualcolor.{name}" for name in dir(bpy.ops.dualcolor)}
     names |= {"Object.dualcolor"} if hasattr(bpy.types.Object, "dualcolor") else set()
     names_of_menus = ("TOPBAR_MT_file_export", "TOPBAR_MT_file_import", "VIEW3D_MT_add", "VIEW3D_MT_object")
-    names_of_menus += ("VIEW3D_MT_editor_menus",)
+    names_of_menus += ("VIEW3D_MT_editor_menus", "VIEW3D_MT_edit_mesh_faces")
     menus = [getattr(bpy.types, name) for name in (*names_of_menus, "IMAGE_MT_image")]
     entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()]
     entries += [*bpy.app.handlers.load_pre, *bpy.app.handlers.depsgraph_update_post]

@@ -30,7 +30,7 @@ def linked(registered, tmp_path):
     return box
 
 
-@pytest.mark.parametrize("action", [*CHANGING, "scale_to_height"])
+@pytest.mark.parametrize("action", [*CHANGING, "scale_to_height", "apply_preset", "reset_settings", "import_settings"])
 def test_what_belongs_to_another_file_is_not_changed(linked, action):
     with pytest.raises(RuntimeError, match="local first"):
         getattr(bpy.ops.dualcolor, action)()
@@ -77,3 +77,19 @@ def test_an_instanced_collection_is_to_be_made_real(registered):
     bpy.context.view_layer.objects.active = empty
     with pytest.raises(RuntimeError, match="Make Instances Real first"):
         bpy.ops.dualcolor.generate()
+
+
+def test_an_override_has_settings_of_its_own_that_are_saved(registered, tmp_path):
+    add_box((20, 20, 20)).dualcolor.perimeters = 3
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    fresh()
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (held, wanted):
+        wanted.objects = held.objects
+    own = wanted.objects[0].override_create()
+    bpy.context.collection.objects.link(own)
+    bpy.context.view_layer.objects.active = own
+    own.dualcolor.layer_height = 0.3
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "mine.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "mine.blend"))
+    group = next(obj for obj in bpy.data.objects if obj.override_library).dualcolor
+    assert group.layer_height == pytest.approx(0.3) and group.perimeters == 3
