@@ -68,12 +68,12 @@ def supports(
 
 
 def on_bed(region: Geometry, area: Geometry, settings: PrintSettings) -> Geometry:
-    """The first layer of the object, behind its outer walls wherever these may lie, and its supports.
+    """The first layer of the object and its supports; for a brim what lies behind its walls wherever these may lie.
 
     Args:
         region: cross-section of the object.
         area: of the supports' center lines.
-        settings: `extrusion_width` and what moves walls inwards are used.
+        settings: `extrusion_width`, `brim_width` and what moves walls inwards are used.
     """
-    behind = shapely.buffer(region, -reach_of(settings).inwards)
-    return shapely.union(behind, shapely.buffer(area, settings.extrusion_width / 2, quad_segs=2))
+    own = shapely.buffer(region, -reach_of(settings).inwards) if settings.brim_width else region
+    return shapely.union(own, shapely.buffer(area, settings.extrusion_width / 2, quad_segs=2))
