@@ -113,11 +113,13 @@ def test_moves_too_short_for_the_file_do_not_cut_a_line():
         (0, 0, 0.25, 0, TRAVEL, 0, 150, 0),
         (10, 0, 0.25, 0, OUTER_WALL, 0, 30, 0.416),
         (10.0001, 0, 0.25, 0, OUTER_WALL, 0, 30, 0.00003),
-        (20, 0, 0.25, 0, OUTER_WALL, 0, 30, 0.416),
+        (12, 0, 0.25, 0, OUTER_WALL, 0, 30, 0.0832),
+        (12.001, 0, 0.25, 0, OUTER_WALL, 0, 30, 0.000004),
+        (20, 0, 0.25, 0, OUTER_WALL, 0, 30, 0.3328),
         (20, 5, 0.25, 0, TOWER, 0, 30, 0.2),
     )
     laid = strands(read_gcode(gcode_text(moves, PrintSettings(), []), "file").moves)
-    assert laid.start.tolist() == [0, 4, 6]
+    assert laid.start.tolist() == [0, 6, 8]
     assert laid.feature.tolist() == [OUTER_WALL, TOWER]
 
 
@@ -133,6 +135,8 @@ def test_a_file_of_another_slicer():
     np.testing.assert_allclose(laid.width[-1], 0.25 / 4 * area / 0.2, rtol=1e-6)
     assert moves.filament[moves.feature == Feature.RETRACT].tolist() == [-1.5]
     assert moves.speed[moves.extrudes].tolist() == [30.0] * 5
+    for change in (b"\nM108 T0\n", b"\nM135 T0\n"):
+        assert (read_gcode(SLICED.replace(b"\nT0\n", change), "cube").moves.tool == moves.tool).all()
 
 
 def test_relative_moves():
@@ -156,6 +160,7 @@ def test_line_ends_of_other_systems_and_pieces_of_the_file_make_no_difference(mo
         (b"", "is empty"),
         (b" \n\n", "is empty"),
         (b"G1 X1 Y2\n", "lays down no plastic"),
+        (b"G1 X1 Y2\nG1 X5 Z0.2\nG1 E3\n", "lays down no plastic"),
         (b"G1 X1.2.3 E1\n", "line 1 reads 'G1 X1.2.3 E1'"),
         (b"G1 X5\nG1 X1-2 E1\n", "line 2 reads"),
         (b"G1 X1e5\n", "line 1 reads"),
