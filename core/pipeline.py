@@ -34,7 +34,7 @@ class DualColorPrint:
         outlines: the waved outer wall.
         slices: of all layers.
         moves: the print in order.
-        layer_begins: see `statistics.layer_begins`.
+        layer_begins: see `move_times.layer_begins`.
         report: JSON-ready.
         warnings: findings that did not stop the job, one sentence each.
         begun: most of the text of its G-code, None if it was not asked for.

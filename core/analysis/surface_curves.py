@@ -81,7 +81,7 @@ def stretches(
     Args:
         lines: contours.
         plane: (L,) mm, height of each layer.
-        arc: (Q,) mm, increasing, places `quality.PROBE_SPACING` apart as `wave.places` makes them.
+        arc: (Q,) mm, increasing, places `quality.PROBE_SPACING` apart as `contours.places` makes them.
         shown: (Q,) which of them.
         value: (Q,) carried along.
     """

@@ -89,7 +89,7 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
     Args:
         moves: the print, at least one row.
         settings: of the print.
-        begins: `statistics.layer_begins` of the moves, if they are known.
+        begins: `move_times.layer_begins` of the moves, if they are known.
 
     Raises:
         ValueError: no moves, or numbers that are not finite or too large for the file.

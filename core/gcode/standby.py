@@ -39,7 +39,7 @@ def standby(moves: Moves, seconds: FloatArray, settings: PrintSettings) -> Stand
 
     Args:
         moves: the print.
-        seconds: (M,) `statistics.move_seconds` of the moves.
+        seconds: (M,) `move_times.move_seconds` of the moves.
         settings: standby_temperature_delta and preheat_time are used.
     """
     change = np.flatnonzero(np.diff(moves.tool)) + 1

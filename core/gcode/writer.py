@@ -88,7 +88,7 @@ def counted_text(
         moves: the print, at least one row.
         settings: of the print; they are written into the header.
         header: more lines for the header, without a comment sign, such as "layers = 408".
-        begins: `statistics.layer_begins` of the moves, if they are known.
+        begins: `move_times.layer_begins` of the moves, if they are known.
         begun: `begin_text` of the moves, if it has been called.
 
     Raises:

@@ -17,7 +17,7 @@ def x3g_bytes(moves: Moves, settings: PrintSettings, name: str = "", begins: Flo
         moves: the print, at least one row.
         settings: of the print.
         name: that the printer shows for the build; GPX takes the file's.
-        begins: `statistics.layer_begins` of the moves, if they are known.
+        begins: `move_times.layer_begins` of the moves, if they are known.
 
     Raises:
         ValueError: no moves, or numbers that are not finite or too large for the file.
