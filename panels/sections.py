@@ -95,6 +95,7 @@ PRINT_DETAILS = (
         "Brim, Raft and Skirt",
         (
             "brim_width",
+            "brim_separation",
             "raft_layers",
             "raft_margin",
             "raft_gap",
@@ -188,6 +189,13 @@ PRINT_DETAILS = (
             "extrusion_multiplier_1",
             "filament_density",
             "filament_cost",
+        ),
+        stage="print",
+    ),
+    Section(
+        "temperature",
+        "Temperature and Cooling",
+        (
             "nozzle_temperature_0",
             "nozzle_temperature_1",
             "first_layer_temperature_0",

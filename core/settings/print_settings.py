@@ -169,6 +169,7 @@ class PrintSettings(Declared):
         "mm", 0.0, 1.0,
     )  # fmt: skip
     brim_width: float = setting(0.0, "Width of the brim around the first layer; 0 is none", "mm", 0.0, 50.0)
+    brim_separation: float = setting(0.0, "Air between the brim and what it surrounds", "mm", 0.0, 2.0)
     raft_layers: int = setting(0, "Layers of the raft below the object; 0 is none", "", 0, 20)
     raft_margin: float = setting(4.0, "How far the raft reaches beyond the first layer", "mm", 0.0, 20.0)
     raft_gap: float = setting(0.2, "Air between the raft and the object", "mm", 0.0, 1.0)

@@ -20,16 +20,18 @@ def brim_area(first_layer: shapely.Geometry, settings: PrintSettings) -> shapely
     loops = _loops(settings)
     if not loops or first_layer.is_empty:
         return first_layer
-    grown = shapely.buffer(first_layer, loops * settings.first_layer_extrusion_width, quad_segs=16)
+    width = loops * settings.first_layer_extrusion_width
+    grown = shapely.buffer(first_layer, width + settings.brim_separation, quad_segs=16)
     return shapely.union_all(shapely.polygons(exterior_rings(np.array([grown]))))
 
 
 def brim_paths(first_layer: shapely.Geometry, settings: PrintSettings) -> Paths:
-    """Loops around the first layer: around each part the outermost first, the last one beside the object's line.
+    """Loops around the first layer: around each part the outermost first, the last one beside the object's line, or as far
+    from it as is asked for.
 
     Args:
         first_layer: all that is printed there, as wide as its lines; mm.
-        settings: brim_width and first_layer_extrusion_width are used.
+        settings: brim_width, brim_separation and first_layer_extrusion_width are used.
 
     Returns:
         Counter-clockwise paths on layer 0 of feature `BRIM`.
@@ -38,7 +40,8 @@ def brim_paths(first_layer: shapely.Geometry, settings: PrintSettings) -> Paths:
     if not loops or first_layer.is_empty:
         return Paths.empty()
     width = settings.first_layer_extrusion_width
-    grown = np.asarray(shapely.buffer(first_layer, width * (np.arange(loops)[::-1] + 0.5), quad_segs=16))
+    away = width * (np.arange(loops)[::-1] + 0.5) + settings.brim_separation
+    grown = np.asarray(shapely.buffer(first_layer, away, quad_segs=16))
     levels = [shapely.simplify(exterior_rings(grown[k : k + 1]), _CORNER_TOLERANCE_MM) for k in range(loops)]
     return first_layer_loops([loop_points(ring) for ring in _nested(levels)], Feature.BRIM, Turn.BRIM, width)
 

@@ -33,6 +33,10 @@ def test_brim_loops_are_a_line_apart_from_the_outside_in():
     strands = shapely.union_all([ring.buffer(0.3) for ring in rings])
     assert brim_area(plate, settings).symmetric_difference(shapely.union(plate, strands).buffer(0)).area < 101
     assert not len(brim_paths(plate, SETTINGS).layer)
+    apart = settings.changed({"brim_separation": 0.15})
+    rings = [shapely.LinearRing(loop) for loop in loops_of(brim_paths(plate, apart), Feature.BRIM)]
+    assert [ring.distance(plate) for ring in rings] == pytest.approx([2.85, 2.25, 1.65, 1.05, 0.45], abs=0.02)
+    assert max(abs(np.array(brim_area(plate, apart).bounds))) == pytest.approx(13.15, abs=0.01)
 
 
 def test_brims_of_neighbors_grow_together():
