@@ -26,8 +26,7 @@ def brim_area(first_layer: shapely.Geometry, settings: PrintSettings) -> shapely
 
 
 def brim_paths(first_layer: shapely.Geometry, settings: PrintSettings) -> Paths:
-    """Loops around the first layer: around each part the outermost first, the last one beside the object's line, or as far
-    from it as is asked for.
+    """Loops around the first layer: around each part the outermost first, the last one beside the object's line.
 
     Args:
         first_layer: all that is printed there, as wide as its lines; mm.
