@@ -15,6 +15,7 @@ from dualcolor.core.settings import PrintSettings  # noqa: E402
 
 REFERENCE = ROOT / "docs" / "settings.md"
 TITLES = {
+    "printer": "Printer",
     "print": "Print",
     "pattern": "Pattern",
     "texture": "Texture",
@@ -23,8 +24,8 @@ TITLES = {
 }
 HEAD = """# Settings
 
-Made from `core/settings/print_settings.py`; do not edit by hand. Every setting can be given with `--set name=value`, in
-a JSON file with `--settings FILE.json`, and in the sidebar, which shows the same names.
+Made from the declarations in `core/settings/`; do not edit by hand. Every setting can be given with `--set name=value`,
+in a JSON file with `--settings FILE.json`, and in the sidebar, which shows the same names.
 """
 
 
@@ -32,8 +33,8 @@ def reference() -> str:
     """The whole page."""
     parts = [HEAD]
     declared = fields(PrintSettings)
-    for group in dict.fromkeys(setting.metadata["group"] for setting in declared):
-        parts.append(f"\n## {TITLES.get(group, group.title())}\n")
+    for group, title in TITLES.items():
+        parts.append(f"\n## {title}\n")
         parts.append("| name | default | limits | what it does |\n|---|---|---|---|")
         parts += [_row(setting) for setting in declared if setting.metadata["group"] == group]
     return "\n".join(parts) + "\n"

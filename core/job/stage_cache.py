@@ -24,7 +24,7 @@ from .layers import without_gaps
 Result = TypeVar("Result")
 Column = NDArray[Any]
 Columns = tuple[Column, ...]
-_PROPERTIES = [name for name, member in vars(PrintSettings).items() if isinstance(member, property)]
+_PROPERTIES = [name for name in dir(PrintSettings) if isinstance(getattr(PrintSettings, name), property)]
 _READABLE = frozenset([*(declared.name for declared in fields(PrintSettings)), *_PROPERTIES])
 _NOTES, _ORIGINAL = "_notes", "_original"
 MOST_BYTES = 1 << 30
