@@ -38,7 +38,7 @@ class Command(Protocol):
     def outputs(self, args: argparse.Namespace) -> dict[str, Path]:
         """The files that are to be written, by kind."""
 
-    def run(self, args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+    def run(self, args: argparse.Namespace, files: OutputFiles) -> list[str]:
         """Do it; the lines to be printed."""
 
 
@@ -73,8 +73,8 @@ def main(argv: Sequence[str]) -> int:
     try:
         paths = command.outputs(args)
         keep_inputs(paths.values(), _inputs(args))
-        with ended_by_signals(), OutputFiles(paths.values()) as files:
-            message = command.run(args, paths, files)
+        with ended_by_signals(), OutputFiles(paths) as files:
+            message = command.run(args, files)
     except PrintError as problem:
         print("error:", " ".join(str(problem).split()), file=sys.stderr)
         return USER_ERROR

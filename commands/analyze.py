@@ -75,7 +75,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return paths
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Open the model, analyze it, draw it, and say what was found.
 
     Raises:
@@ -91,15 +91,15 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     }  # fmt: skip
     with quiet_stdout(), Progress() as progress:
         found = _analyzed(args, settings, progress)
-        for number, (kind, path) in enumerate(paths.items()):
+        for number, kind in enumerate(files.paths):
             if kind == "report":
                 text = json.dumps(found.report, indent=2, allow_nan=False) + "\n"
-                write_file(files.staged(path), text.encode())
+                write_file(files.staged(kind), text.encode())
                 continue
             name, view = kind.split(" ", 1)
-            progress.show(number / len(paths), f"drawing, {name}")
+            progress.show(number / len(files.paths), f"drawing, {name}")
             azimuth, elevation = VIEWS[view]
-            write_file(files.staged(path), _png(draw[name](found, (azimuth + args.azimuth, elevation), args.pixels)))
+            write_file(files.staged(kind), _png(draw[name](found, (azimuth + args.azimuth, elevation), args.pixels)))
     return [*summary(found), *_orientations(found, args)]
 
 

@@ -28,7 +28,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return {}
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Read the file and say that nothing is wrong with it.
 
     Raises:

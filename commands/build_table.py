@@ -26,7 +26,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return {"table": args.table or args.folder / "table.json", "maps": args.maps or args.folder / "gamut_maps.png"}
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Read all readings and write both.
 
     Raises:
@@ -38,7 +38,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
 
     sweeps = read_sweeps(args.folder)
     table = table_of(sweeps)
-    write_table(files.staged(paths["table"]), table)
-    gamut_maps(sweeps).save(files.staged(paths["maps"]))
+    write_table(files.staged("table"), table)
+    gamut_maps(sweeps).save(files.staged("maps"))
     rows = zip(table.slant_deg, table.reflectance, table.noise, strict=True)
     return [f"slant {slant:g}°: {row[0]:.3f} to {row[-1]:.3f} ± {noise.max():.3f}" for slant, row, noise in rows]

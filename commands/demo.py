@@ -35,7 +35,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return named | picture_outputs(args, args.out / "suzanne.png", None)
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Make the sample, print it, and say what came out.
 
     Raises:
@@ -49,4 +49,4 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     with quiet_stdout(), Progress() as progress:
         progress.show(0.0, "making the sample")
         obj = make_sample()
-    return summary(produce(obj, None, settings, paths, files, picture_options(args)))
+    return summary(produce([obj], None, settings, files, picture_options(args)))

@@ -37,7 +37,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return {}
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Do the jobs that are not done yet.
 
     Raises:

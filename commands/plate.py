@@ -60,7 +60,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return paths
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Print, photograph and measure all plates.
 
     Raises:
@@ -79,9 +79,9 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     rows: list[tuple[str, str, PictureMatch]] = []
     with Progress() as progress:
         for number, image in enumerate(args.images):
-            found = _plates(args, image, plate, (paths, files), (progress, number))
+            found = _plates(args, image, plate, files, (progress, number))
             rows += [(image.name, pattern, match) for pattern, match in found.items()]
-    _write_tables(args, rows, plate, settings, paths, files)
+    _write_tables(args, rows, plate, settings, files)
     return [
         f"{name} {pattern}: r {match.correlation:.3f}, by texel {match.texel_correlation:.3f}, "
         f"contrast {match.contrast:.2f}"
@@ -99,7 +99,7 @@ def _plates(
     args: argparse.Namespace,
     image: Path,
     plate: PictureShape,
-    outputs: tuple[dict[str, Path], OutputFiles],
+    files: OutputFiles,
     progress: tuple[Progress, int],
 ) -> dict[str, PictureMatch]:
     """One picture in all patterns: its sheet is written."""
@@ -111,7 +111,6 @@ def _plates(
     from ..core.exports import export_gcode
     from ..core.pictures.report import sheet
 
-    paths, files = outputs
     bar, before = progress
     with quiet_stdout():
         picture = fitted(picture_tone(image), plate, auto_contrast=not args.plain_contrast)
@@ -124,9 +123,9 @@ def _plates(
         photographs[pattern], found[pattern] = made.photograph, made.match
         periods[pattern] = (PERIOD_LAYERS * chosen.layer_height, made.match.period_mm)
         if args.gcode:
-            export_gcode(made.result, files.staged(paths[_gcode(image, pattern)]))
+            export_gcode(made.result, files.staged(_gcode(image, pattern)))
     drawn = sheet(made.painted, photographs, periods, args.mm_per_pixel)
-    Image.fromarray(drawn).convert("L").save(files.staged(paths[_sheet(image)]), optimize=True)
+    Image.fromarray(drawn).convert("L").save(files.staged(_sheet(image)), optimize=True)
     return found
 
 
@@ -135,18 +134,17 @@ def _write_tables(
     rows: list[tuple[str, str, PictureMatch]],
     plate: PictureShape,
     settings: PrintSettings,
-    paths: dict[str, Path],
     files: OutputFiles,
 ) -> None:
     from ..core.pictures.report import pictures_of, table
 
     command = f"./dualcolor plate {' '.join(image.name for image in args.images)} --out {args.out.as_posix()}"
     text = table(rows, (*plate.size, plate.columns, plate.rows), settings, not args.plain_contrast, command)
-    text += pictures_of({image.name: Path(paths[_sheet(image)].name) for image in args.images})
-    files.staged(paths["table"]).write_text(text, encoding="utf-8")
+    text += pictures_of({image.name: Path(files.paths[_sheet(image)].name) for image in args.images})
+    files.staged("table").write_text(text, encoding="utf-8")
     figures = [{"picture": name, "pattern": pattern} | match.as_dict() for name, pattern, match in rows]
     report = {"plates": figures, "settings": settings.as_dict()}
-    files.staged(paths["report"]).write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    files.staged("report").write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def _sheet(image: Path) -> str:

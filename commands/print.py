@@ -42,7 +42,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return named_outputs(args)
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Open the models, print them, and say what came out.
 
     Raises:
@@ -59,7 +59,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
     from ..bridge.quiet import quiet_stdout
 
     with quiet_stdout():
-        obj, *others = objects = open_models(
+        objects = open_models(
             args.model, args.object, args.up, args.height_mm, scale=args.scale, rotate_deg=rotation(args)
         )
         for each in objects if args.unwrap else ():
@@ -67,8 +67,10 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
                 unwrap(each, args.unwrap)
         named = {SupportMark.ENFORCER: args.support_enforcer, SupportMark.BLOCKER: args.support_blocker}
         markers = [
-            (open_marker(name, obj, args.up, rotation(args)), mark) for mark, names in named.items() for name in names
+            (open_marker(name, objects[0], args.up, rotation(args)), mark)
+            for mark, names in named.items()
+            for name in names
         ]
         image = load_image(args.texture) if args.texture else None
-    lines = summary(produce(obj, image, settings, paths, files, picture_options(args), others, markers))
-    return lines if paths else [*lines, NOTHING]
+    lines = summary(produce(objects, image, settings, files, picture_options(args), markers))
+    return lines if files.paths else [*lines, NOTHING]

@@ -54,25 +54,21 @@ def named_outputs(args: argparse.Namespace) -> dict[str, Path]:
 
 
 def produce(
-    obj: bpy.types.Object,
+    objects: Sequence[bpy.types.Object],
     image: bpy.types.Image | None,
     settings: PrintSettings,
-    paths: dict[str, Path],
     files: OutputFiles,
     pictures: PictureOptions,
-    others: Sequence[bpy.types.Object] = (),
     markers: Sequence[tuple[bpy.types.Object, SupportMark]] = (),
 ) -> DualColorPrint:
     """Compute the print of an object, or of several on a plate, then write what was asked for.
 
     Args:
-        obj: the mesh object; it gives the print its name.
+        objects: to print together; the first one gives the print its name.
         image: a picture instead of the objects' own, or None.
         settings: of the print.
-        paths: the path of each kind of output that is wanted, by a name of `OUTPUTS` or a picture's.
-        files: where they are staged.
+        files: the outputs that are wanted; their kinds are names of `OUTPUTS` and pictures.
         pictures: how pictures are taken.
-        others: the objects beside it.
         markers: objects that enforce or block supports.
 
     Raises:
@@ -85,16 +81,16 @@ def produce(
     from ..bridge.strands.preview import build_preview
     from ..core import pipeline
 
-    keep_inputs(paths.values(), _files_read(settings))
-    objects = [obj, *others]
+    keep_inputs(files.paths.values(), _files_read(settings))
     model = plate_model(objects, bpy.context.evaluated_depsgraph_get(), settings, [image] * len(objects), markers)
     with Progress() as progress:
-        result = pipeline.generate(model, settings, progress.show, begin_gcode="gcode" in paths)
+        result = pipeline.generate(model, settings, progress.show, begin_gcode="gcode" in files.paths)
         with quiet_stdout():
-            result = _write(result, paths, files, progress)
-            if strands_wanted(paths):
+            result = _write(result, files, progress)
+            if strands_wanted(files.paths):
                 progress.show(1.0, "building the strands")
-                save_strands(build_preview(result, obj, others), paths, files, pictures, progress, model, settings)
+                strands = build_preview(result, objects[0], objects[1:])
+                save_strands(strands, files, pictures, progress, model, settings)
     return result
 
 
@@ -105,7 +101,6 @@ def strands_wanted(paths: dict[str, Path]) -> bool:
 
 def save_strands(
     strands: bpy.types.Collection,
-    paths: dict[str, Path],
     files: OutputFiles,
     pictures: PictureOptions,
     progress: Progress,
@@ -118,13 +113,13 @@ def save_strands(
     from ..bridge.strands.rods import rods_of
     from ..core.strands.mesh_files import write_mesh
 
-    if "mesh" in paths:
+    if "mesh" in files.paths:
         progress.show(1.0, "writing the mesh")
-        write_mesh(files.staged(paths["mesh"]), rods_of(strands))
-    if "blend" in paths:
-        save_blend(files.staged(paths["blend"]))
-    views = {kind.removeprefix(PREFIX): files.staged(path) for kind, path in paths.items() if kind.startswith(PREFIX)}
-    sheet = files.staged(paths["contact_sheet"]) if "contact_sheet" in paths else None
+        write_mesh(files.staged("mesh"), rods_of(strands))
+    if "blend" in files.paths:
+        save_blend(files.staged("blend"))
+    views = {kind.removeprefix(PREFIX): files.staged(kind) for kind in files.paths if kind.startswith(PREFIX)}
+    sheet = files.staged("contact_sheet") if "contact_sheet" in files.paths else None
     if views or sheet:
         steps = picture_steps(strands, views, pictures, sheet, model, settings.background_tone)
         drained(steps, lambda step: progress.show(*step))
@@ -138,24 +133,19 @@ def _files_read(settings: PrintSettings) -> list[Path]:
     return [Path(name) for name in [*pictures, settings.calibration_file] if name]
 
 
-def _write(
-    result: DualColorPrint,
-    paths: dict[str, Path],
-    files: OutputFiles,
-    progress: Progress,
-) -> DualColorPrint:
+def _write(result: DualColorPrint, files: OutputFiles, progress: Progress) -> DualColorPrint:
     from ..core import exports
 
-    if "gcode" in paths:
+    if "gcode" in files.paths:
         progress.show(1.0, "writing G-code")
-        result = exports.export_gcode(result, files.staged(paths["gcode"]))
-    if "x3g" in paths:
-        result = exports.export_x3g(result, files.staged(paths["x3g"]))
-    if "dump" in paths:
-        exports.dump(result, files.staged(paths["dump"]))
-    if "save_settings" in paths:
-        write_file(files.staged(paths["save_settings"]), settings_json(result.settings).encode())
-    if "report" in paths:
+        result = exports.export_gcode(result, files.staged("gcode"))
+    if "x3g" in files.paths:
+        result = exports.export_x3g(result, files.staged("x3g"))
+    if "dump" in files.paths:
+        exports.dump(result, files.staged("dump"))
+    if "save_settings" in files.paths:
+        write_file(files.staged("save_settings"), settings_json(result.settings).encode())
+    if "report" in files.paths:
         text = json.dumps(result.report, indent=2, allow_nan=False) + "\n"
-        write_file(files.staged(paths["report"]), text.encode())
+        write_file(files.staged("report"), text.encode())
     return result

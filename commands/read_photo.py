@@ -35,7 +35,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return {"table": args.out}
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Read the photograph, write the table.
 
     Raises:
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
 
     corners = None if args.corners is None else np.array(args.corners)
     made = table_of_photo(args.photo, chosen_settings(args), corners, _ends(args), args.simulated)
-    write_table(files.staged(paths["table"]), made.table)
+    write_table(files.staged("table"), made.table)
     row, noise = made.table.reflectance[0], float(made.table.noise[0].max())
     at = " ".join(f"{x:.0f},{y:.0f}" for x, y in made.marks)
     return [

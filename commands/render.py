@@ -34,7 +34,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return chosen_outputs(args, ("blend", "mesh")) | picture_outputs(args, args.render, args.contact_sheet)
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Read the file, save and render its strands.
 
     Raises:
@@ -52,5 +52,5 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         progress.show(0.0, "reading the file")
         read = read_print(args.file)
         shown = build_preview(read)
-        save_strands(shown, paths, files, picture_options(args), progress, None, read.settings)
+        save_strands(shown, files, picture_options(args), progress, None, read.settings)
     return [f"{args.file.name}: {read.summary}"]

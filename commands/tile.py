@@ -27,7 +27,7 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
     return named_outputs(args)
 
 
-def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) -> list[str]:
+def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     """Make the tile, print it, and say what came out.
 
     Raises:
@@ -45,5 +45,5 @@ def run(args: argparse.Namespace, paths: dict[str, Path], files: OutputFiles) ->
         bpy.ops.wm.read_factory_settings(use_empty=True)
         use_millimeters(bpy.context.scene)
         obj = tile_object(settings)
-    lines = summary(produce(obj, None, settings, paths, files, picture_options(args)))
-    return lines if paths else [*lines, NOTHING]
+    lines = summary(produce([obj], None, settings, files, picture_options(args)))
+    return lines if files.paths else [*lines, NOTHING]

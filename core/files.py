@@ -8,7 +8,7 @@ import os
 import signal
 import tempfile
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType, TracebackType
@@ -111,22 +111,27 @@ class OutputFiles:
     Used as a context manager: leaving the block normally puts all staged files in place, leaving it by an exception
     removes them and touches nothing that was there.
 
+    Attributes:
+        paths: of the files, by the kind of each.
+
     Raises:
         OutputError: two outputs have the same path, a folder is missing or cannot be written to, or writing a staged
             file has failed.
     """
 
-    def __init__(self, paths: Iterable[Path]) -> None:
+    def __init__(self, paths: Mapping[str, Path]) -> None:
+        self.paths = dict(paths)
         self._staged: dict[Path, Path] = {}
         seen: set[str] = set()
-        for path in paths:
+        for path in self.paths.values():
             _check_writable(path)
             if os.path.realpath(path) in seen:
                 raise OutputError(f"{path} is named for two outputs", "give each its own name")
             seen.add(os.path.realpath(path))
 
-    def staged(self, path: Path) -> Path:
-        """A temporary name in the same folder, with the same suffix, for the file that will become `path`."""
+    def staged(self, kind: str) -> Path:
+        """A temporary name in the same folder, with the same suffix, for what will become the file of a kind."""
+        path = self.paths[kind]
         target = Path(os.path.realpath(path))
         folder = Path(tempfile.gettempdir()) if _is_device(target) else target.parent
         number = len(self._staged)  # not the file's name, which may be as long as names can be

@@ -121,14 +121,13 @@ class DUALCOLOR_OT_render_prediction(_ForStrands, FileJob, bpy.types.Operator):
             samples=self.samples,
             whole_plate=self.whole_plate,
         )
-        wanted = [*paths.values(), *([sheet] if sheet else [])]
-        with OutputFiles(wanted) as files:
-            staged = {view: files.staged(each) for view, each in paths.items()}
+        with OutputFiles(paths | ({"sheet": sheet} if sheet else {})) as files:
+            staged = {view: files.staged(view) for view in paths}
             yield from picture_steps(
-                preview_of(source), staged, options, sheet and files.staged(sheet), model, background, self._in_window
+                preview_of(source), staged, options, sheet and files.staged("sheet"), model, background, self._in_window
             )
-        self._written = tuple(wanted)
-        return f"Saved {', '.join(written.name for written in wanted)}"
+        self._written = tuple(files.paths.values())
+        return f"Saved {', '.join(written.name for written in self._written)}"
 
 
 class DUALCOLOR_OT_export_strands(_ForStrands, FileChoice, bpy.types.Operator):
@@ -144,8 +143,8 @@ class DUALCOLOR_OT_export_strands(_ForStrands, FileChoice, bpy.types.Operator):
         """Sweep the strands and write the file."""
         path = Path(bpy.path.abspath(self.filepath))
         try:
-            with OutputFiles([path]) as files:
-                write_mesh(files.staged(path), rods_of(preview_of(source_of(context.object))))
+            with OutputFiles({"mesh": path}) as files:
+                write_mesh(files.staged("mesh"), rods_of(preview_of(source_of(context.object))))
         except PrintError as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}

@@ -81,22 +81,22 @@ def test_devices_are_written_to_not_replaced(tmp_path):
     if os.name != "posix":
         pytest.skip("no /dev/null here")
     null = type(tmp_path)("/dev/null")
-    with OutputFiles([null]) as files:
-        files.staged(null).write_text("gone")
+    with OutputFiles({"null": null}) as files:
+        files.staged("null").write_text("gone")
     assert null.is_char_device()
 
 
 def test_a_name_may_be_as_long_as_the_folder_allows(tmp_path):
     path = tmp_path / f"{'n' * 251}.x3g"
     path.touch()
-    with OutputFiles([path]) as files:
-        write_file(files.staged(path), b"data")
+    with OutputFiles({"x3g": path}) as files:
+        write_file(files.staged("x3g"), b"data")
     assert path.read_bytes() == b"data"
     keep_inputs([path], [tmp_path / ("n" * 256)])
     with pytest.raises(OutputError, match="its name is too long"):
-        OutputFiles([tmp_path / ("n" * 256)])
+        OutputFiles({"x3g": tmp_path / ("n" * 256)})
     with pytest.raises(OutputError, match="two outputs"):
-        OutputFiles([path, tmp_path / "." / path.name])
+        OutputFiles({"x3g": path, "gcode": tmp_path / "." / path.name})
 
 
 def test_a_folder_that_is_gone_is_told(tmp_path, monkeypatch):
@@ -107,19 +107,19 @@ def test_a_folder_that_is_gone_is_told(tmp_path, monkeypatch):
     except OSError:
         pytest.skip("folders in use cannot be removed here")
     with pytest.raises(OutputError, match="its folder does not exist"):
-        OutputFiles([type(tmp_path)("a.gcode")])
+        OutputFiles({"gcode": type(tmp_path)("a.gcode")})
 
 
 def test_files_appear_together_or_not_at_all(tmp_path):
     first, second = tmp_path / "a.txt", tmp_path / "b.txt"
     first.write_text("former")
-    with pytest.raises(ZeroDivisionError), OutputFiles([first, second]) as files:
-        files.staged(first).write_text("new")
-        files.staged(second).write_text("new")
+    with pytest.raises(ZeroDivisionError), OutputFiles({"first": first, "second": second}) as files:
+        files.staged("first").write_text("new")
+        files.staged("second").write_text("new")
         raise ZeroDivisionError
     assert first.read_text() == "former" and [path.name for path in tmp_path.iterdir()] == ["a.txt"]
-    with OutputFiles([first, second]) as files:
-        files.staged(first).write_text("new")
-        files.staged(second).write_text("new")
+    with OutputFiles({"first": first, "second": second}) as files:
+        files.staged("first").write_text("new")
+        files.staged("second").write_text("new")
         assert first.read_text() == "former"
     assert first.read_text() == second.read_text() == "new" and len(list(tmp_path.iterdir())) == 2

@@ -72,8 +72,8 @@ def test_a_kill_leaves_the_former_file(tmp_path):
         "from launcher import load_package; load_package()\n"
         "from pathlib import Path; from time import sleep\n"
         "from dualcolor.core.files import OutputFiles\n"
-        "with OutputFiles([Path('a.gcode'), Path('b.x3g')]) as files:\n"
-        "    for name in ('a.gcode', 'b.x3g'): files.staged(Path(name)).write_text('half')\n"
+        "with OutputFiles({'gcode': Path('a.gcode'), 'x3g': Path('b.x3g')}) as files:\n"
+        "    for kind in files.paths: files.staged(kind).write_text('half')\n"
         "    print('now', flush=True); sleep(60)\n"
     )
     (tmp_path / "a.gcode").write_text("kept")

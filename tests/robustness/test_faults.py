@@ -68,8 +68,8 @@ def test_a_killed_job_tidies_up(tmp_path, number):
         "from launcher import load_package; load_package()\n"
         "from pathlib import Path; from time import sleep\n"
         "from dualcolor.core.files import OutputFiles, ended_by_signals\n"
-        "with ended_by_signals(), OutputFiles([Path('a.gcode')]) as files:\n"
-        "    files.staged(Path('a.gcode')).write_text('half'); print('now', flush=True)\n"
+        "with ended_by_signals(), OutputFiles({'gcode': Path('a.gcode')}) as files:\n"
+        "    files.staged('gcode').write_text('half'); print('now', flush=True)\n"
         "    for _ in range(600): sleep(0.1)  # a signal just ahead of one long sleep would wait for its end\n"
     )
     (tmp_path / "a.gcode").write_text("kept")
@@ -100,8 +100,8 @@ def test_a_job_that_was_told_to_outlive_its_terminal_does():
 def test_an_output_that_fails_is_named_as_the_user_did(tmp_path, problem):
     path = tmp_path / "a.json"
     path.write_text("kept")
-    with pytest.raises(OutputError) as failed, OutputFiles([path]) as files:
-        part = files.staged(path)
+    with pytest.raises(OutputError) as failed, OutputFiles({"report": path}) as files:
+        part = files.staged("report")
         part.write_text("half")
         if isinstance(problem, OSError):
             problem.filename = str(part)
