@@ -30,7 +30,7 @@ _NOTES, _ORIGINAL = "_notes", "_original"
 MOST_BYTES = 1 << 30
 _BYTES_A_GEOMETRY = 200
 _BLOCK_WORDS = 1 << 15
-_MOST_FRESH = 0.5  # of all layers; more are not worth it to keep the others
+_MOST_FRESH = 0.8  # of all layers; more are not worth it to keep the others
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,10 @@ class StageCache:
         self._most_bytes = most_bytes
         self._held: dict[str, _Held] = {}
         self._fresh: BoolArray | None = None  # layers, as `compare_layers` has found; None for all
-        # Whether this run and the last one came to their end, so that all stages hold what belongs together.
-        self._is_whole = self._is_known = False
+        # What this run and the last one went through layer by layer: only what both did belongs together.
+        self._layered: set[str] = set()
+        self._layered_before: set[str] = set()
+        self._has_ended = False
 
     def run(self, stage: str, function: Callable[..., Result], *arguments: Any) -> Result:
         """The function's result, kept under the stage's name; the former one if nothing that was read has changed."""
@@ -69,8 +71,9 @@ class StageCache:
         return result
 
     def begin(self) -> None:
-        """A run begins: nothing is known of it."""
-        self._is_known, self._is_whole, self._fresh = self._is_whole, False, None
+        """A run begins: nothing is known of it, nor of one that did not end."""
+        self._layered_before, self._layered = self._layered if self._has_ended else set(), set()
+        self._has_ended, self._fresh = False, None
 
     def compare_layers(
         self, name: str, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]
@@ -83,8 +86,9 @@ class StageCache:
             given: what is to be compared.
             fresh: from what was given last time to the (L,) layers that differ, or None for all.
         """
-        held, self._held[name], self._fresh = self._held.get(name), _Held(same, {}, given), None
-        if self._is_known and held and _same(held.arguments, same):
+        held, self._fresh = self._of_last_run(name), None
+        self._held[name] = _Held(same, {}, given)
+        if held and _same(held.arguments, same):
             found = fresh(held.result)
             if found is not None:
                 found = without_gaps(found)
@@ -108,7 +112,8 @@ class StageCache:
             given: made from what has been compared.
             arguments: the others; where these are not what they were, nothing is kept.
         """
-        held, settings, others = self._asked(stage, arguments)
+        _, settings, others = self._asked(stage, arguments)
+        held = self._of_last_run(stage)
         if self._fresh is not None and held and _is_read_alike(held, settings) and _same(held.arguments[1:], others):
             if not self._fresh.any():
                 kept: Result = held.result
@@ -124,6 +129,11 @@ class StageCache:
             self._fresh = None
         return result
 
+    def _of_last_run(self, name: str) -> _Held | None:
+        """What is held of something that is compared or made layer by layer, if the last run did so too."""
+        self._layered.add(name)
+        return self._held.get(name) if name in self._layered_before else None
+
     def _asked(
         self, stage: str, arguments: tuple[Any, ...]
     ) -> tuple[_Held | None, PrintSettings | None, tuple[Any, ...]]:
@@ -133,7 +143,7 @@ class StageCache:
 
     def trim(self) -> None:
         """The run is over: forget all if it takes too much memory."""
-        self._is_whole = True
+        self._has_ended = True
         if self.size > self._most_bytes:
             self._held.clear()
 

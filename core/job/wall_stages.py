@@ -111,9 +111,8 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     printed = along("calibration", print_tones, (tone,), slant, lines, curve)
     depth, set_back = along("modulation", set_back_lines, (printed,), lines, slant, settings)
     depth, set_back, swapped, solid = _solid_colors(lines, tone, slant, depth, set_back, projector, settings)
-    if not _is_local(settings):
-        columns = (tone, depth, set_back)
-        stages.compare_layers("walls", (lines, samples), columns, partial(other_layers, columns, lines, layers))
+    columns = (tone, depth, set_back)
+    stages.compare_layers("walls", (lines, samples), columns, partial(other_layers, columns, lines, layers))
     of_wave = (lines, samples, tone, depth, set_back)
     outlines = along("wave", waved, of_wave, settings, swapped)
     return PaintedWall(
@@ -155,11 +154,6 @@ def _pyramids(
     return stages.aside("texture", build_pyramids, mesh, model.textures, 2 * settings.layer_height, *known)
 
 
-def _is_local(settings: PrintSettings) -> bool:
-    """Whether what is painted moves no line on another layer."""
-    return not settings.hide_seams and settings.solid_regions == "none"
-
-
 def _tone(
     lines: Contours,
     samples: Samples,
@@ -171,15 +165,11 @@ def _tone(
     stages: Stages,
 ) -> FloatArray:
     """As `pattern_tone`, anew where the pictures differ; it finds out on which layers."""
-    if _is_local(settings):
-        same = mesh, lines, samples, settings.layer_height, settings.texture_filter
-        repainted = partial(repainted_layers, model.textures, painting, lines, layers)
-        stages.compare_layers("pictures", same, model.textures, repainted)
+    same = mesh, lines, samples, settings.layer_height, settings.texture_filter
+    repainted = partial(repainted_layers, model.textures, painting, lines, layers)
+    stages.compare_layers("pictures", same, model.textures, repainted)
     painted = stages.run_along_lines("tone", painted_tone, (painting.result(),), lines, settings)
-    tone = stages.run("average", _averaged, painted, lines, settings)
-    if _is_local(settings):
-        stages.compare_layers("tones", (lines, samples), (tone,), partial(other_layers, (tone,), lines, layers))
-    return tone
+    return stages.run("average", _averaged, painted, lines, settings)
 
 
 def _averaged(tone: FloatArray, lines: Contours, settings: PrintSettings) -> FloatArray:

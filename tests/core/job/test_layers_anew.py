@@ -94,6 +94,24 @@ def test_only_a_few_layers_are_made_anew(made):
     assert result.moves.position.flags.f_contiguous  # axis by axis, as the later stages read it
 
 
+def test_settings_of_the_pattern_change_only_layers_that_are_set_back(made):
+    cache, tone = StageCache(), PICTURE.tone.copy()
+    tone[: ROWS // 2] = 0.5  # set back in neither color
+    image = replace(PICTURE, tone=tone)
+    for change in ({}, {"offset_max": 0.3}, {"offset_onset": 0.2}, {}):
+        settings = PrintSettings().changed(change | {"calibration": "none"})
+        whole = generate(bottle(image), settings)
+        assert of(generate(bottle(image), settings, cache=cache)) == of(whole)
+    assert len(made["loops"]) == 3 and max(made["loops"]) < 0.6 * len(whole.slices.layers)
+
+
+def test_what_the_last_run_did_without_counts_as_new():
+    cache, other = StageCache(), replace(PICTURE, tone=PICTURE.tone[::-1].copy())
+    for image, hidden in ((PICTURE, False), (other, True), (PICTURE, False)):
+        settings = PrintSettings().changed({"hide_seams": hidden, "calibration": "none"})
+        assert of(generate(bottle(image), settings, cache=cache)) == of(generate(bottle(image), settings))
+
+
 def test_a_layer_of_the_same_color_begins_where_the_fresh_one_below_it_ends():
     settings = PrintSettings().changed({"mostly_white_below": 99, "z_hop": 0.4, "slowdown_below_layer_time": 0.0})
     cache, tone = StageCache(), PICTURE.tone.copy()
