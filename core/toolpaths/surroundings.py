@@ -108,7 +108,8 @@ def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -
     shield = shield_paths(on_bed.shadow, len(layers), settings)
     inside_shield = shield_area(on_bed.shadow, settings)
     raft = raft_paths(on_bed.first, settings)
-    first = on_bed.first
+    # What stands within a hole, as in letters, gets no brim that would fill the hole.
+    first = shapely.union_all(shapely.polygons(exterior_rings(np.array([on_bed.first]))))
     if settings.ooze_shield:
         inside = shapely.buffer(inside_shield, -settings.extrusion_width)
         first = shapely.union(first, shapely.difference(inside_shield, inside))

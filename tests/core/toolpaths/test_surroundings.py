@@ -212,6 +212,18 @@ def test_an_empty_ground_has_nothing_around_it():
     assert not len(surrounding_paths(empty, stack(3), settings).layer)
 
 
+@pytest.mark.parametrize("shield", [False, True])
+def test_no_brim_within_a_hole(shield):
+    """A plate with a hole in which a post stands; within an ooze shield both have their brim outside."""
+    plate = shapely.box(-12, -12, 12, 12).difference(shapely.box(-8, -8, 8, 8))
+    first = shapely.union(plate, shapely.box(-2, -2, 2, 2))
+    settings = SETTINGS.changed({"brim_width": 3.0, "ooze_shield": shield, "ooze_shield_distance": 9.0})
+    loops = loops_of(surrounding_paths(Ground(shapely.box(-12, -12, 12, 12), first), stack(3), settings), Feature.BRIM)
+    beside_plate = [loop for loop in loops if np.abs(loop).max() < 18]
+    assert len(beside_plate) == 8 and min(np.abs(loop).max() for loop in loops) > 12
+    assert (len(loops) > 8) == shield
+
+
 @pytest.mark.parametrize("values", [{"tone": 0.0}, {"tone": 1.0}, {"tone": 1.0, "elephant_foot_compensation": 0.2}])
 def test_the_brim_touches_walls_that_are_set_back(values):
     tone = values.pop("tone")
