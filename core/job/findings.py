@@ -14,7 +14,7 @@ from ..model import FloatArray, SurfaceModel, TriangleMesh
 from ..paths import Feature
 from ..printability.footing import footing_warnings, line_warnings
 from ..printability.hanging_walls import hanging_report, hanging_warnings
-from ..printability.slopes import slope_report, slope_warnings
+from ..printability.slopes import slope_warnings
 from ..printability.thin_features import thin_report, thin_warnings
 from ..sampling.samples import Samples
 from ..sampling.visibility import at_arcs, visibility_warnings
@@ -51,7 +51,7 @@ def findings(
         settings: as used.
     """
     mesh, cut = wall.mesh, wall.cut
-    errors, slopes = wall.errors.result(), slope_report(wall.paint.result())
+    errors, slopes = wall.errors.result(), wall.slopes.result()
     thin = thin_report(paths.thin.result(), cut)
     report = _report(model, mesh, cut, moves, settings) | {"gcode": {"bytes": 0, "moves": len(paths.moves.tool)}}
     plain = single_color_seconds(paths.single_color.result(), moves, seconds, settings)

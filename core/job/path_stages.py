@@ -74,7 +74,6 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     last = int(max(paths.layer.max(initial=0) for paths in (outer, holding.paths)))
     around = aside("surroundings", _surroundings, shade, cut, holding, outer.first_layer, last, settings)
     hanging = aside("undersides", undersides, wall.mesh, cut.layers.plane, settings)
-    thin = aside("thin features", thin_features, cut, lines, settings)
     yield stages.begin(0.65, "fill")
     island_layer = cut.polygon_layer
     of_wall = (wall.outlines, lines, wall.depth, wall.set_back)
@@ -90,6 +89,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     inner = Paths.joined([fill, holding.paths])
     below = Below(hanging.result(), known.outlines)
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
+    thin = aside("thin features", thin_features, cut, lines, settings)
     beside = Surrounded(holding.paths, around.result(), cut.layers, below)
     printed = layered("toolpaths", toolpaths, toolpaths_anew, (outer, fill, within), beside, settings)
     return PrintedPaths(fill, within, beside, printed.moves, printed.paths, thin, alone)

@@ -26,6 +26,8 @@ from .union import united
 SMALLEST_AREA = 1e-3
 # Points nearer to each other than this (mm) are one.
 SHORTEST_SEGMENT = 1e-7
+# Regions may differ from their outlines by this much, mm: far less than anything that is filled.
+REGION_TOLERANCE = 0.01
 _LAYERS_AT_ONCE = 32
 
 
@@ -69,7 +71,7 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     # A strand as round as it gets is as long around as its width says.
     shortest = np.pi * settings.extrusion_width
     whole, specks = cleaned(raw, shortest)
-    solid = regions_of(whole)
+    solid = regions_of(whole, REGION_TOLERANCE)
     regions = gathered(solid.polygons, solid.polygon_layer, len(stack))
     crossing = _crossing(regions)
     if crossing.any():

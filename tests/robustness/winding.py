@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from dualcolor.core.model import TriangleMesh
-from dualcolor.core.slicing.slices import Slices
+from dualcolor.core.slicing.slices import REGION_TOLERANCE, Slices
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Agreement:
     Attributes:
         tried: how many points.
         left_out: of them, those in layers of which the slices say that outlines were left out; not compared.
-        unambiguous: of the others, those that all six rays count alike.
+        unambiguous: of the others, those that all six rays count alike and that lie clear of the regions' boundaries.
         disagreements: of these, those that the slices place on the other side.
         inside: of these, those within.
     """
@@ -40,7 +40,10 @@ def agreement(mesh: TriangleMesh, cut: Slices, count: int, seed: int = 1) -> Agr
     triangles = mesh.vertices[mesh.faces]
     counts = np.concatenate([ray_windings(triangles, points, axis) for axis in range(3)])
     left_out = np.isin(layer, cut.open_layers)
+    edge = shapely.boundary(cut.regions)
+    shapely.prepare(edge)
     clear = (counts == counts[0]).all(axis=0) & ~left_out
+    clear &= ~shapely.dwithin(edge[layer], shapely.points(points[:, :2]), REGION_TOLERANCE)
     within = counts[0] != 0
     return Agreement(
         tried=count,

@@ -7,7 +7,8 @@ from dualcolor.core.errors import MeshError
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.planes import layer_stack
-from dualcolor.core.slicing.slices import slices
+from dualcolor.core.slicing.regions import straightened
+from dualcolor.core.slicing.slices import REGION_TOLERANCE, slices
 from dualcolor.tests.solids import box, cylinder, joined, lathe, picture, surface
 
 KEEP = PrintSettings(center_on_bed=False)
@@ -19,6 +20,11 @@ def cut(model, settings=KEEP):
 
 def areas(result):
     return shapely.area(result.regions)
+
+
+def outlined(result):
+    """Areas by the outlines, which are exact."""
+    return np.bincount(result.outlines.layer, result.outlines.signed_area, len(result.layers))
 
 
 def test_planes_lie_at_half_heights():
@@ -44,7 +50,7 @@ def test_box_has_its_cross_section_on_every_layer():
 def test_cone_areas_follow_its_slope():
     result = cut(lathe([[10, 0], [2, 16]], sides=400))
     radius = 10 - result.layers.plane / 2
-    assert areas(result) == pytest.approx(np.pi * radius**2, rel=2e-4)
+    assert outlined(result) == pytest.approx(np.pi * radius**2, rel=2e-4)
 
 
 @pytest.mark.parametrize("height", [0.125, 0.375, 1.125])
@@ -222,5 +228,24 @@ def test_a_mesh_of_which_few_faces_are_cut_is_sliced_like_those_faces_alone():
     """Rings of faces between the planes are left out before anything else is asked about them."""
     heights = np.concatenate([[0.0], np.linspace(0.13, 0.37, 40), np.linspace(0.38, 0.62, 40), [1.0]])
     fine, coarse = (cut(lathe(np.column_stack([np.full(len(z), 9.0), z]))) for z in (heights, heights[[0, -1]]))
-    assert areas(fine) == pytest.approx(areas(coarse))
+    assert outlined(fine) == pytest.approx(outlined(coarse))
     assert np.array_equal(fine.outlines.start, coarse.outlines.start)
+
+
+def test_regions_are_their_outlines_with_fewer_points():
+    result = cut(lathe([[10, 0], [2, 16]], sides=1500))
+    loops = shapely.linearrings(result.outlines.points, indices=result.outlines.loop)
+    away = shapely.hausdorff_distance(shapely.boundary(result.polygons), loops)
+    assert away.max() < REGION_TOLERANCE
+    assert shapely.get_num_coordinates(result.polygons).sum() < 0.3 * len(result.outlines.points)
+
+
+def test_straight_lines_lose_points_but_corners_tips_and_slivers_stay():
+    square = [[x, 0.0] for x in range(9)] + [[8.0, 8.0], [0.0, 8.0]]
+    spike = [[0.0, 0.0], [4.0, 0.0], [9.0, 0.001], [4.0, 0.002], [0.0, 4.0]]
+    sliver = [[0.0, 0.0], [5.0, -1e-3], [10.0, 0.0], [5.0, 1e-3]]
+    points, start = straightened(np.array(square + spike + sliver), np.array([0, 11, 16, 20]), 0.01)
+    first, second, third = (points[start[k] : start[k + 1]].tolist() for k in range(3))
+    assert len(first) < 8 and all(corner in first for corner in ([0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]))
+    assert [9.0, 0.001] in second
+    assert third == sliver
