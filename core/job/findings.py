@@ -51,7 +51,7 @@ def findings(
         settings: as used.
     """
     mesh, cut = wall.mesh, wall.cut
-    errors, slopes = wall.errors.result(), wall.slopes.result()
+    errors, slopes = wall.errors.result(), paths.slopes.result()
     thin = thin_report(paths.thin.result(), cut)
     report = _report(model, mesh, cut, moves, settings) | {"gcode": {"bytes": 0, "moves": len(paths.moves.tool)}}
     plain = single_color_seconds(paths.single_color.result(), moves, seconds, settings)

@@ -11,6 +11,7 @@ from shapely import Geometry, get_parts
 from ..contours.contours import Contours
 from ..fill.paths import fill_areas, fill_lines
 from ..paths import Paths
+from ..printability.slopes import slope_report
 from ..printability.thin_features import ThinFeatures, thin_features
 from ..progress import Progress
 from ..records import dataclass
@@ -46,6 +47,7 @@ class PrintedPaths:
         moves: the print in order.
         ordered: its paths.
         thin: features too thin for a wall, worked out beside the stages.
+        slopes: the report's part on them, worked out beside the stages.
         single_color: what is known of the same object in one color, worked out beside the stages.
     """
 
@@ -55,6 +57,7 @@ class PrintedPaths:
     moves: Moves
     ordered: OrderedPaths
     thin: Future[ThinFeatures]
+    slopes: Future[dict[str, float]]
     single_color: Future[SingleColor]
 
 
@@ -90,9 +93,10 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     below = Below(hanging.result(), known.outlines)
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
     thin = aside("thin features", thin_features, cut, lines, settings)
+    slopes = aside("slope report", slope_report, wall.paint)
     beside = Surrounded(holding.paths, around.result(), cut.layers, below)
     printed = layered("toolpaths", toolpaths, toolpaths_anew, (outer, fill, within), beside, settings)
-    return PrintedPaths(fill, within, beside, printed.moves, printed.paths, thin, alone)
+    return PrintedPaths(fill, within, beside, printed.moves, printed.paths, thin, slopes, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:

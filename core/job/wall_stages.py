@@ -18,7 +18,7 @@ from ..mesh.triangles import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, ToneImage, TriangleMesh
 from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
 from ..pattern.wave import WavedOutlines, waved
-from ..printability.slopes import face_contrast, slope_report
+from ..printability.slopes import FaceContrast, face_contrast
 from ..progress import Progress
 from ..records import dataclass
 from ..sampling.optimized import optimized_samples
@@ -56,7 +56,7 @@ class PaintedWall:
         solid: the report's part on solid regions.
         notes: warnings of the calibration.
         errors: of the seams, worked out beside the stages.
-        slopes: the report's part on the slopes that the paint lies on, worked out beside the stages.
+        paint: on the faces, worked out beside the stages.
         closing: skins and bridges of the fill, worked out beside the stages.
     """
 
@@ -73,7 +73,7 @@ class PaintedWall:
     solid: dict[str, Any]
     notes: list[str]
     errors: Future[SeamErrors]
-    slopes: Future[dict[str, float]]
+    paint: Future[FaceContrast]
     closing: Future[Closing]
 
 
@@ -101,7 +101,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     samples = run("sampling", pattern_samples, lines, projector, settings, seen)
     yield stages.begin(0.4, "texture")
     errors = aside("seam errors", seam_errors, lines, samples, projector)
-    slopes = aside("slopes", _slopes, mesh, painting, settings)
+    paint = aside("slopes", face_contrast, mesh, painting, settings)
     yield stages.begin(0.45, "tone")
     tone = _tone(lines, samples, layers, mesh, model, painting, settings, stages) if early is None else early
     del painting  # as large as the moves that are to come
@@ -116,7 +116,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     of_wave = (lines, samples, tone, depth, set_back)
     outlines = along("wave", waved, of_wave, settings, swapped)
     return PaintedWall(
-        mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, slopes,
+        mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint,
         closes,
     )  # fmt: skip
 
@@ -203,10 +203,6 @@ def _solid_colors(
 
 def _slant(lines: Contours, mesh: TriangleMesh, wavelength: float) -> FloatArray:
     return average_along_wall(slant_along(lines, mesh), lines, wavelength)
-
-
-def _slopes(mesh: TriangleMesh, pyramids: TexturePyramids, settings: PrintSettings) -> dict[str, float]:
-    return slope_report(face_contrast(mesh, pyramids, settings))
 
 
 def _without_pictures(model: SurfaceModel) -> SurfaceModel:

@@ -85,13 +85,12 @@ def straightened(points: FloatArray, start: IntArray, tolerance: float) -> tuple
         (N', 2) mm, and (M + 1,) where each loop's points start.
     """
     for _ in range(_ROUNDS):
-        place = points.view(np.complex128).ravel()
-        step = ahead(place, start) - place
-        odd = np.flatnonzero((np.arange(len(place)) - np.repeat(start[:-1], np.diff(start))) & 1)
+        step = (ahead(points, start) - points).view(np.complex128).ravel()
+        odd = np.flatnonzero((np.arange(len(step)) - np.repeat(start[:-1], np.diff(start))) & 1)
         before, after = step.take(odd - 1), step.take(odd)
         turn = after * before.conj()
         off = np.abs(turn.imag) <= tolerance / _ROUNDS * np.abs(before + after)
-        kept = np.ones(len(place), dtype=bool)
+        kept = np.ones(len(step), dtype=bool)
         kept[odd[off & (turn.real > 0)]] = False
         few = np.flatnonzero(np.add.reduceat(kept, start[:-1], dtype=np.int64) < _LEAST_CORNERS)
         kept[ranges(start[few], np.diff(start)[few])] = True
