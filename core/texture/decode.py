@@ -93,7 +93,8 @@ def _decoded(
     alpha = np.clip(pixels[:, 3], 0.0, 1.0)
     colors = pixels[:, :3]
     if premultiplied:
-        colors = colors / np.where(alpha > 0, alpha, 1.0)[:, None]
+        with np.errstate(over="ignore"):  # clipped below
+            colors = colors / np.where(alpha > 0, alpha, 1.0)[:, None]
     red, green, blue = np.clip(colors, 0.0, 1.0).T
     if tables is not None:
         red, green, blue = (linear_from_srgb(channel.astype(np.float64)) for channel in (red, green, blue))
@@ -103,7 +104,8 @@ def _decoded(
 
 def _byte_luminance(pixels: Float32Array, tables: tuple[Float32Array, Float32Array]) -> Float32Array | None:
     """Luminance (n,) of encoded pixels (n, 4) that are all whole multiples of 1/255, None where any is not."""
-    steps = np.multiply(pixels, np.float32(255.0), order="C")
+    with np.errstate(over="ignore"):  # an infinite number of steps is no byte either
+        steps = np.multiply(pixels, np.float32(255.0), order="C")
     if not (steps.min() > -_BYTE_TOLERANCE and steps.max() < 255.0 + _BYTE_TOLERANCE):  # false for NaN as well
         return None
     nearest = np.rint(steps)

@@ -34,14 +34,14 @@ def moves_of_x3g(data: bytes, name: str, settings: PrintSettings | None = None) 
     found = read_x3g(data)
     settings = settings or PrintSettings(printer=_printer_of(found))
     rows = np.flatnonzero(found.moves & found.known[:, :3].all(axis=1))
-    if not len(rows):
-        raise PrintError("the file lays down no plastic", "choose the X3G file of a print")
     per_mm = np.array(settings.printer_profile.steps_per_mm)
     position = found.steps[rows, :3] / per_mm[:3]
     fed = -found.way[rows, 3:].sum(axis=1) / per_mm[3]
     speed = np.nan_to_num(found.speed[rows], nan=60.0)
     printed = slice(_priming_end(position, fed, settings.printer_profile), None)
     rows, position, fed, speed = rows[printed], position[printed], fed[printed], speed[printed]
+    if not len(rows):
+        raise PrintError("the file lays down no plastic", "choose the X3G file of a print")
     step = np.diff(position, axis=0, prepend=position[:1])
     way = np.sqrt(np.einsum("ij,ij->i", step, step))
     fed = _spread(fed, way, step[:, 2] == 0, speed)
@@ -63,7 +63,7 @@ def _printer_of(found: Commands) -> str:
     for name in names if told.any() else ():
         step = way[told] / np.array(printer_profile(name).steps_per_mm[:3])
         length = np.sqrt(np.einsum("ij,ij->i", step, step))
-        off.append(float(np.median(np.abs(length / found.distance[told] - 1.0))))
+        off.append(float(np.median(np.abs(found.distance[told] / length - 1.0))))
     return names[int(np.argmin(off))] if off else usual
 
 

@@ -66,6 +66,14 @@ def test_broken_and_excessive_pixels(encoded):
     assert image.tone[1] == pytest.approx([1, 1]) and np.isfinite(image.tone).all()
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("premultiplied", [True, False])
+@pytest.mark.parametrize("encoded", [True, False])
+def test_numbers_of_any_size_are_clipped(encoded, premultiplied):
+    image = tone_image(picture([3e38, 3e38, 3e38, 1e-20], (2, 2)), encoded, premultiplied)
+    assert image.tone == pytest.approx(1) and image.alpha == pytest.approx(1e-20)
+
+
 def test_alpha_that_is_not_finite_is_unpainted_in_byte_images_too():
     pixels = picture([1, 1, 1, 1], (1, 3))
     pixels[0, :, 3] = [np.nan, np.inf, -np.inf]

@@ -9,6 +9,7 @@ from dualcolor.core.settings.presets import preset_values
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.commands import SIZES, Command
+from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g
 from dualcolor.core.x3g.writer import x3g_bytes
 from dualcolor.tests.core.x3g.x3g_simulation import print_seconds
@@ -182,6 +183,31 @@ def test_damaged_files_give_one_sentence(seed):
     }.items():
         with pytest.raises(PrintError, match=text):
             read_x3g(kind)
+
+
+def test_a_file_that_ends_after_any_command_is_read_or_has_no_plastic():
+    whole = x3g_bytes(rosette(2, 20), SETTINGS, "part")
+    laid = 0
+    for end in read_x3g(whole).offset[1:].tolist():
+        try:
+            laid = int(moves_of_x3g(whole[:end], "part").moves.extrudes.sum())
+        except PrintError as error:
+            assert "no plastic" in error.message and not laid
+    assert laid == moves_of_x3g(whole, "part").moves.extrudes.sum() > 10
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("length", [1e-40, -1.0, 0.0, 3e38])
+def test_lengths_that_a_file_makes_up_change_nothing_that_is_laid_down(length):
+    whole = np.frombuffer(x3g_bytes(rosette(2, 20), SETTINGS, "part"), dtype=np.uint8).copy()
+    commands = read_x3g(whole.tobytes())
+    strand = np.flatnonzero(np.isfinite(commands.distance) & (commands.way[:, :2] != 0).any(axis=1))
+    said = commands.distance[strand].astype("<f4").view(np.uint8).reshape(-1, 4)
+    within = next(at for at in range(32) if (whole[commands.offset[strand, None] + at + np.arange(4)] == said).all())
+    expected = moves_of_x3g(whole.tobytes(), "part").moves
+    whole[commands.offset[strand, None] + within + np.arange(4)] = np.array([length], dtype="<f4").view(np.uint8)
+    found = moves_of_x3g(whole.tobytes(), "part").moves
+    assert (found.position == expected.position).all() and (found.filament == expected.filament).all()
 
 
 @pytest.mark.parametrize("code", sorted(SIZES))
