@@ -41,7 +41,7 @@ class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh in Object or Texture Paint Mode is needed."""
-        return has_own_mesh(cls, context)
+        return has_own_mesh(cls, context, leaves_mode=True)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Set it up."""

@@ -31,23 +31,26 @@ def has_own_settings(cls: type[bpy.types.Operator], context: bpy.types.Context) 
     return True
 
 
-def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    """Whether a mesh with faces is active and not in Edit Mode; sets the poll message."""
+def has_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context, leaves_mode: bool = False) -> bool:
+    """Whether a mesh with faces is active and not in Edit Mode; sets the poll message.
+
+    Nor in Sculpt Mode, whose strokes are not in the mesh yet, unless the operator leaves that first by itself.
+    """
     obj = context.object
     if obj is None or obj.type != "MESH" or not len(obj.data.polygons):
         source = source_of(obj)
         named = "a mesh object with faces" if source == obj else f"{source.name}, whose strands these are,"
         cls.poll_message_set(f"Select {named} first")
         return False
-    if obj.mode == "EDIT":
-        cls.poll_message_set("Leave Edit Mode first")
+    if obj.mode == "EDIT" or (obj.mode == "SCULPT" and not leaves_mode):
+        cls.poll_message_set(f"Leave {obj.mode.title()} Mode first")
         return False
     return True
 
 
-def has_own_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+def has_own_mesh(cls: type[bpy.types.Operator], context: bpy.types.Context, leaves_mode: bool = False) -> bool:
     """Whether the active mesh can be changed: as `has_mesh`, visible, and of this file; sets the poll message."""
-    if not has_mesh(cls, context):
+    if not has_mesh(cls, context, leaves_mode):
         return False
     if is_of_library(context.object):
         cls.poll_message_set(MAKE_LOCAL)

@@ -99,7 +99,7 @@ class DUALCOLOR_OT_unwrap_smart(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """A mesh in Object Mode is needed."""
-        return has_own_mesh(cls, context)
+        return has_own_mesh(cls, context, leaves_mode=True)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Unwrap the active object."""

@@ -42,7 +42,8 @@ def why_gray(obj: bpy.types.Object, active: bpy.types.Object) -> str:
     """Why the buttons that look at a mesh or change it are gray though it can be printed; empty if they are not."""
     if active != obj:
         return f"Strands are selected: select {obj.name} for the buttons that are gray"
-    return "Leave Edit Mode (Tab) for the buttons that are gray" if obj.mode == "EDIT" else ""
+    keys = {"EDIT": "Edit Mode (Tab)", "SCULPT": "Sculpt Mode (Ctrl Tab)"}
+    return f"Leave {keys[obj.mode]} for the buttons that are gray" if obj.mode in keys else ""
 
 
 def _draw_size(layout: bpy.types.UILayout, context: bpy.types.Context, obj: bpy.types.Object) -> None:

@@ -19,8 +19,10 @@ from ..operators.presets import (
     DUALCOLOR_OT_reset_settings,
     DUALCOLOR_OT_save_preset,
 )
+from .rows import fitting
 from .tab import ObjectPanel
 
+_MENU_SHARE = 0.55  # of the sidebar's width
 # Presets by file and time of change: a panel is drawn at every move of the mouse.
 _read: dict[tuple[str, int], Preset | None] = {}
 
@@ -70,7 +72,9 @@ class DUALCOLOR_PT_presets(ObjectPanel, bpy.types.Panel):
             row = column.split(factor=0.25)
             row.label(text=kind.title())
             row = row.row(align=True)
-            row.menu(f"DUALCOLOR_MT_{kind}_presets", text=" + ".join(labels) or "Custom")
+            short = f"{labels[0]} + {len(labels) - 1} more" if len(labels) > 1 else "".join(labels)
+            text = fitting(context, " + ".join(labels), short, _MENU_SHARE)
+            row.menu(f"DUALCOLOR_MT_{kind}_presets", text=text or "Custom")
             row.operator(DUALCOLOR_OT_save_preset.bl_idname, text="", icon="ADD").kind = kind
             if own:
                 button = row.operator(DUALCOLOR_OT_remove_preset.bl_idname, text="", icon="REMOVE")

@@ -54,9 +54,17 @@ def wrapped(text: str, width_px: float, scale: float) -> list[str]:
     return textwrap.wrap(text, _letters(width_px, scale))
 
 
-def fitting(context: bpy.types.Context, text: str, short: str) -> str:
-    """What to write on a button: the text, or the short one where the sidebar is so narrow that it would be cut off."""
-    return text if len(text) <= _letters(context.region.width, context.preferences.system.ui_scale) else short
+def fitting(context: bpy.types.Context, text: str, short: str, share: float = 1.0) -> str:
+    """What to write on a button: the text, or the short one where the sidebar is so narrow that it would be cut off.
+
+    Args:
+        context: of the panel.
+        text: if there is room.
+        short: if there is not.
+        share: of the sidebar's width that the button takes.
+    """
+    room = share * _letters(context.region.width, context.preferences.system.ui_scale)
+    return text if len(text) <= room else short
 
 
 def _letters(width_px: float, scale: float) -> int:

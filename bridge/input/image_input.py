@@ -62,7 +62,7 @@ def image_tone(image: bpy.types.Image) -> ToneImage:
     color is multiplied by alpha. An alpha that is ignored or used for something else is no coverage.
 
     Raises:
-        TextureError: the image has no pixels, or is made of UDIM tiles.
+        TextureError: the image has no pixels, is made of UDIM tiles, or moves.
     """
     rgba, encoded, premultiplied = _stored_pixels(image)
     return tone_image(rgba, encoded_srgb=encoded, premultiplied=premultiplied)
@@ -72,7 +72,7 @@ def image_colors(image: bpy.types.Image) -> tuple[Float32Array, Float32Array]:
     """(H, W, 3) linear colors and (H, W) alpha of a Blender image, as it is now.
 
     Raises:
-        TextureError: the image has no pixels, or is made of UDIM tiles.
+        TextureError: the image has no pixels, is made of UDIM tiles, or moves.
     """
     rgba, encoded, premultiplied = _stored_pixels(image)
     return linear_colors(rgba, encoded, premultiplied), np.clip(rgba[..., 3], 0.0, 1.0)
@@ -82,8 +82,12 @@ def image_size(image: bpy.types.Image) -> tuple[int, int]:
     """Width and height in texels.
 
     Raises:
-        TextureError: the image has no pixels, claims more than any picture has, or is made of UDIM tiles.
+        TextureError: the image has no pixels, claims more than any picture has, is made of UDIM tiles, or moves.
     """
+    if image.source in ("MOVIE", "SEQUENCE"):  # which of its frames is shown is not the image's own affair
+        raise TextureError(
+            f"the image {image.name} is a movie or a sequence", "save one of its frames, and choose that"
+        )
     if image.source == "TILED" and len(image.tiles) > 1:
         raise TextureError(f"the image {image.name} has several tiles", "bake them into a single image")
     if not image.has_data:  # asking for the size would decode it
@@ -98,7 +102,7 @@ def image_pixels(image: bpy.types.Image) -> Float32Array:
     """(H, W, 1 to 4) as stored.
 
     Raises:
-        TextureError: the image has no pixels, claims more than any picture has, or is made of UDIM tiles.
+        TextureError: the image has no pixels, claims more than any picture has, is made of UDIM tiles, or moves.
     """
     width, height = image_size(image)
     pixels = np.empty(width * height * image.channels, dtype=np.float32)

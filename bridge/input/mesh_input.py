@@ -83,10 +83,12 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
     """The mesh of an object with its modifiers applied, in object space, for as long as the block runs.
 
     Raises:
-        MeshError: the object is of a kind without a surface, or has no faces.
+        MeshError: the object is of a kind without a surface, has no faces, is being sculpted, or disabled.
     """
     if obj.type not in WITH_SURFACE:
         raise MeshError(f"{obj.name} has no surface to print", "choose a mesh object")
+    if obj.mode == "SCULPT":  # the modifier Multiresolution is left out, and Dynamic Topology keeps its own mesh
+        raise MeshError(f"{obj.name} is in Sculpt Mode", "leave it first: its strokes are in the mesh only then")
     if obj.mode == "EDIT":
         obj.update_from_editmode()
         depsgraph.update()

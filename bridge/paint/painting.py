@@ -14,7 +14,7 @@ from ...core.texture.decode import linear_from_srgb, srgb_from_linear
 from ...core.texture.grade import Grade, graded
 from ..bed import bounds_mm
 from ..input.base_color import BaseColor, base_color, chosen_color, picture_layer
-from ..input.image_input import image_colors
+from ..input.image_input import image_colors, image_size
 from ..input.printed_materials import printed_materials
 from ..materials import new_material, picture_node
 from ..units import mm_per_unit
@@ -40,20 +40,21 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
 
     Raises:
         MeshError: the object has no faces.
-        TextureError: its UV map has no area.
+        TextureError: its UV map has no area, or its picture cannot be painted on and printed.
     """
     if not obj.data.uv_layers:
         smart_project(obj)
     image = picture_of(obj)
     if image is None:
         image = give_picture(obj, picture_size(obj, texel_mm), background_tone)
+    width, height = image_size(image)
     picture_uv(obj).active = True  # by which strokes go
     if obj.mode != "TEXTURE_PAINT":
         bpy.ops.object.mode_set(mode="TEXTURE_PAINT")
     paint = bpy.context.scene.tool_settings.image_paint
     paint.mode, paint.canvas = "IMAGE", image
     paint.palette = _palette()
-    paint.seam_bleed = max(paint.seam_bleed, round(GAP_MM / 2 * max(image.size) / _side_mm(obj)))
+    paint.seam_bleed = max(paint.seam_bleed, round(GAP_MM / 2 * max(width, height) / _side_mm(obj)))
     _take_black(paint)
     return image
 

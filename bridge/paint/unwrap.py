@@ -48,10 +48,16 @@ def unwrap_steps(obj: bpy.types.Object, chart: ChartOptions, pack: PackOptions) 
         pack: how to pack the charts.
 
     Raises:
-        MeshError: the object is no mesh, has no faces, no room for another UV map, or xatlas cannot unwrap it.
+        MeshError: the object is no mesh, has no faces, no room for another UV map, detail that belongs to its
+            polygons, or xatlas cannot unwrap it.
         PrintError: xatlas is not installed.
     """
     _check(obj)
+    if any(modifier.type == "MULTIRES" for modifier in obj.modifiers):
+        raise MeshError(
+            f"{obj.name} has the modifier Multiresolution, whose detail would be lost with its polygons",
+            "apply the modifier, or use Smart UV Project",
+        )
     triangles = _triangulated(obj.data)
     try:
         vertices = np.empty((len(triangles.vertices), 3), dtype=np.float32)

@@ -160,3 +160,15 @@ def test_what_is_disabled_in_viewports_is_refused_since_blender_leaves_it_out(he
     bpy.context.view_layer.update()
     with pytest.raises(MeshError, match="disabled in viewports"):
         model_of(obj)
+
+
+def test_what_is_being_sculpted_is_refused_since_its_strokes_are_not_in_the_mesh_yet():
+    fresh()
+    obj = add_box()
+    obj.modifiers.new("Detail", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier="Detail")
+    bpy.ops.object.mode_set(mode="SCULPT")
+    with pytest.raises(MeshError, match="Sculpt Mode"):
+        model_of(obj)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(model_of(obj).vertices) == 26

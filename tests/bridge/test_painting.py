@@ -197,6 +197,32 @@ def test_a_mesh_with_as_many_uv_maps_as_there_may_be_is_left_as_it_is(registered
     assert len(box.data.polygons) == 6 and len(box.data.uv_layers) == 8
 
 
+def test_unwrapping_does_not_spoil_sculpted_detail(registered):
+    """It splits polygons into triangles, to whose corners the detail does not belong."""
+    box = add_box((10, 10, 10))
+    box.modifiers.new("Detail", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier="Detail")
+    with pytest.raises(RuntimeError, match="Multiresolution"):
+        bpy.ops.dualcolor.unwrap_xatlas()
+    assert len(box.data.polygons) == 6
+    assert bpy.ops.dualcolor.unwrap_smart() == {"FINISHED"}
+
+
+@pytest.mark.parametrize("kind", ["TILED", "SEQUENCE", "FILE"])
+def test_painting_is_not_set_up_on_what_cannot_be_printed(registered, kind):
+    box = add_box((10, 10, 10))
+    add_uvs(box)
+    image = bpy.data.images.new("odd", 8, 8, tiled=kind == "TILED")
+    if kind == "TILED":
+        image.tiles.new(1002)
+    else:
+        image.source, image.filepath = kind, "/nowhere/odd.png"
+    add_material(box, image)
+    with pytest.raises(RuntimeError, match=r"odd (has several tiles|is a movie|has no pixels)"):
+        bpy.ops.dualcolor.set_up_painting()
+    assert bpy.context.mode == "OBJECT"
+
+
 def test_unwrapping_dropped_half_way_leaves_the_mesh_alone(registered):
     pytest.importorskip("xatlas")
     from dualcolor.bridge.paint.unwrap import unwrap_steps

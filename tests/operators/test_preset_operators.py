@@ -55,14 +55,16 @@ class Layout:
         return made
 
 
-def drawn(panel, obj):
-    layout = Layout()
-    panel.draw(SimpleNamespace(layout=layout), SimpleNamespace(object=obj))
+def drawn(panel, obj, width=900):
+    layout, region = Layout(), SimpleNamespace(width=width)
+    preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0))
+    context = SimpleNamespace(object=obj, region=region, preferences=preferences)
+    panel.draw(SimpleNamespace(layout=layout), context)
     return layout.drawn
 
 
-def menus(obj):
-    return {each[0]: each[1] for each in drawn(presets.DUALCOLOR_PT_presets, obj) if isinstance(each, tuple)}
+def menus(obj, width=900):
+    return {each[0]: each[1] for each in drawn(presets.DUALCOLOR_PT_presets, obj, width) if isinstance(each, tuple)}
 
 
 def entries(kind, obj):
@@ -87,6 +89,11 @@ def test_each_kind_has_a_menu_that_names_what_is_chosen(block):
         assert f"DUALCOLOR_MT_{kind}_presets" in menus(block) and hasattr(bpy.types, f"DUALCOLOR_MT_{kind}_presets")
         assert {each.icon for each in entries(kind, block)} <= {"NONE", "CHECKMARK"}
     assert next(e.text for e in entries("pattern", block)) == "Waves, as in the paper"
+
+
+def test_presets_that_a_row_has_no_room_for_are_counted(block):
+    wide, narrow = (menus(block, width)["DUALCOLOR_MT_filament_presets"] for width in (900, 260))
+    assert wide.startswith("ABS black + ") and narrow == "ABS black + 1 more"
 
 
 def test_applying_changes_only_what_the_preset_names(block):
