@@ -15,5 +15,8 @@ def written(text: str) -> str:
 
 
 def read_back(text: str) -> str:
-    """The inverse of `written`."""
-    return unquote(text, errors="surrogatepass")
+    """The inverse of `written`; a text that is no such thing stays as it is."""
+    try:
+        return unquote(text, errors="surrogatepass")
+    except UnicodeDecodeError:
+        return text

@@ -64,7 +64,8 @@ def test_a_full_disk_leaves_what_was_there(tmp_path):
 def test_a_killed_job_tidies_up(tmp_path, number):
     script = (
         f"import sys; sys.path.insert(0, {str(ROOT)!r})\n"
-        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)  # a job of a shell may ignore it\n"
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)  # a job of a shell may ignore it,\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and one of nohup this one\n"
         "from launcher import load_package; load_package()\n"
         "from pathlib import Path; from time import sleep\n"
         "from dualcolor.core.files import OutputFiles, ended_by_signals\n"

@@ -152,6 +152,11 @@ def test_any_text_survives_a_comment(text):
     assert re.fullmatch("[ -~]*", comment) and comment == comment.strip() and not set("#@;()") & set(comment)
 
 
+@pytest.mark.parametrize("text", ["%FF", "50 %", "%ED%A0", "100%C3%"])
+def test_texts_that_nobody_encoded_are_read_as_they_are(text):
+    assert read_back(text) == text
+
+
 def test_header_ends_at_the_first_command(tmp_path):
     path = tmp_path / "made_up.gcode"
     path.write_text("; object = x\n; wavelength = 1.5\nG1 X1\n; wavelength = 9\n", encoding="ascii")
