@@ -87,7 +87,7 @@ def _decoded(
     if tables is not None and not premultiplied:
         tone = _byte_luminance(pixels, tables)
         if tone is not None:
-            return tone, pixels[:, 3]
+            return tone, np.clip(pixels[:, 3], 0.0, 1.0)
     finite = np.isfinite(pixels).all(axis=1)
     pixels = np.where(finite[:, None], pixels, np.float32(0.0))
     alpha = np.clip(pixels[:, 3], 0.0, 1.0)

@@ -74,6 +74,12 @@ def test_numbers_of_any_size_are_clipped(encoded, premultiplied):
     assert image.tone == pytest.approx(1) and image.alpha == pytest.approx(1e-20)
 
 
+@pytest.mark.parametrize("beyond", [-6e-8, 1 + 1e-6])
+def test_bytes_that_are_hardly_beyond_their_range_are_clipped(beyond):
+    image = tone_image(picture([beyond] * 4, (2, 2)), True)
+    assert (image.tone == round(beyond)).all() and (image.alpha == round(beyond)).all()
+
+
 def test_alpha_that_is_not_finite_is_unpainted_in_byte_images_too():
     pixels = picture([1, 1, 1, 1], (1, 3))
     pixels[0, :, 3] = [np.nan, np.inf, -np.inf]
