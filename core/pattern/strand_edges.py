@@ -37,14 +37,14 @@ def widened(lines: Contours, printed: FloatArray, set_back: FloatArray, settings
         return set_back
     after, step = following(lines.start), steps(set_back, lines.start)
     segment = np.flatnonzero((step > _LEAST_STEP) | (step < -_LEAST_STEP))
-    rises = step[segment] > 0
-    deep = np.where(rises, after[segment], segment)
-    black = np.flatnonzero(printed[deep] > 0.5)  # only then does a black line step back
-    segment, rises = segment[black], rises[black]
-    shallow, wide = np.where(rises, segment, after[segment]), set_back.copy()
-    ahead = _ahead(lines.width[shallow] / 2, np.abs(step[segment]), lines.step[segment])
-    back = set_back[shallow]
-    np.maximum.at(wide, shallow, np.minimum(back + ahead, np.maximum(lines.room_inside[shallow], back)))
+    rises = step.take(segment) > 0
+    beyond = after.take(segment)
+    # Black lines step back only where the print is to be lighter.
+    black = np.flatnonzero(printed.take(np.where(rises, beyond, segment)) > 0.5)
+    segment, shallow = segment.take(black), np.where(rises, segment, beyond).take(black)
+    ahead = _ahead(lines.width.take(shallow) / 2, np.abs(step.take(segment)), lines.step.take(segment))
+    back, wide = set_back.take(shallow), set_back.copy()
+    np.maximum.at(wide, shallow, np.minimum(back + ahead, np.maximum(lines.room_inside.take(shallow), back)))
     return wide
 
 

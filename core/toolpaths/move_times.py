@@ -174,11 +174,9 @@ def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatA
     before *= 2 * _SUMMABLE
     np.floor(before, out=before)
     np.cumsum(before, out=before)
-    before /= _SUMMABLE
     u = np.append(0.0, segments.corner)
     u *= _SUMMABLE
     np.floor(u, out=u)
-    u /= _SUMMABLE
     queue = printer.queue_moves
     np.minimum(u[:-queue], before[queue:] - before[:-queue], out=u[:-queue])
     u += before
@@ -187,6 +185,7 @@ def _node_speeds_squared(segments: _Segments, printer: PrinterProfile) -> FloatA
     u -= before
     np.minimum.accumulate(u, out=u)
     u += before
+    u /= _SUMMABLE
     return np.maximum(u, 0.0, out=u)  # the sums round
 
 
