@@ -159,7 +159,8 @@ def contours(
     thickness, clearance = gaps(points, spacing, normal, start, layer, most_inside, most_outside)
     for first, last in runs:
         part, own = slice(start[first], start[last]), start[first : last + 1] - start[first]
-        line_width, squash = (np.repeat(values[first:last], np.diff(own)) for values in (widest, squashed))
+        line_width = np.repeat(widest[first:last], np.diff(own))
+        squash = np.repeat(squashed[first:last], np.diff(own)) if squashed[first:last].any() else None
         half = thickness[part] / 2, clearance[part] / 2
         _inset(lines, part, own, line_width, squash, *half, kernel, reach)
     total = np.concatenate([[0.0], np.cumsum(step)])
@@ -171,7 +172,7 @@ def _inset(
     part: slice,
     start: IntArray,
     widest: FloatArray,
-    squash: FloatArray,
+    squash: FloatArray | None,
     half: FloatArray,
     half_gap: FloatArray,
     kernel: FloatArray,
@@ -185,7 +186,8 @@ def _inset(
         part: where.
         start: (m + 1,) offsets of the loops.
         widest: (n,) mm, of the lines.
-        squash: (n,) mm, by which they move inwards in addition, as far as the material is thick enough for that.
+        squash: (n,) mm, by which they move inwards in addition, as far as the material is thick enough for
+            that; None is nowhere.
         half: (n,) mm, half of the material's thickness.
         half_gap: (n,) mm, half of the air's.
         kernel: low-pass.
@@ -197,7 +199,7 @@ def _inset(
     depth = np.minimum(width, half)
     depth /= 2
     spare = np.maximum(half - width, 0.0)
-    if squash.any():
+    if squash is not None:
         np.minimum(squash, spare, out=squash)
         depth += squash
         spare -= squash
