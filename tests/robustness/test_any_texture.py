@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PIL import Image
 
+pytestmark = pytest.mark.filterwarnings("error::RuntimeWarning")  # numpy's, which a user would see
 WALL = np.array([[0, 0, 0], [10, 0, 0], [10, 0, 10], [0, 0, 10], [5, 4, 0]], dtype=float)
 FACES = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2], [4, 0, 3], [4, 3, 2], [0, 4, 1]])
 UVS = arrays(
