@@ -66,6 +66,19 @@ def in_threads(function: Callable[[Part], Result], parts: Iterable[Part]) -> lis
         return list(pool.map(function, parts))
 
 
+def evenly_in_threads(function: Callable[[slice], Result], size: IntArray) -> list[Result]:
+    """Apply a function to runs of N rows in threads, one run each; none where there are no rows.
+
+    Args:
+        function: of the rows of a run.
+        size: (N,) how much work each row is.
+    """
+    threads = max(min(_THREADS, len(size) // _LEAST_SHAPES), 1)
+    before = np.concatenate([[0], np.cumsum(size)])
+    runs = runs_of_layers(np.arange(len(size)), before, int(before[-1]) // threads + 1)
+    return in_threads(function, (slice(*run) for run in runs))
+
+
 def geos_in_threads(function: Callable[..., tuple[Shapes, ...]], *columns: NDArray[Any]) -> tuple[Shapes, ...]:
     """Apply a function to parts of several arrays in threads and put the results together again.
 

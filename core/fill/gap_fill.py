@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from ..model import BoolArray, FloatArray, IntArray, Shapes
-from ..parallel import geos_in_threads
+from ..parallel import evenly_in_threads
 from ..paths import Feature, Paths, way_ahead
 from ..ragged import starts
 from ..settings import PrintSettings
@@ -168,10 +168,19 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
     parts, owner = shapely.get_parts(np.concatenate(found), return_index=True)
     some = ~shapely.is_empty(parts)
     number, island = np.divmod(owner[some].astype(np.int64), len(island_layer))
-    parts, kept_off = parts[some], 2.0 * np.maximum(-np.array(margin), 0.0)[number]
-    if not len(parts):
-        return Paths.empty()
-    merged, edges = geos_in_threads(middles, parts, width_mm[island])
+    gaps, kept_off = parts[some], 2.0 * np.maximum(-np.array(margin), 0.0)[number]
+    corners = shapely.get_num_coordinates(gaps)
+    lines = evenly_in_threads(
+        lambda own: _lines_in(gaps[own], island[own], kept_off[own], island_layer, width_mm), corners
+    )
+    return Paths.joined(lines)
+
+
+def _lines_in(
+    parts: Shapes, island: IntArray, kept_off: FloatArray, island_layer: IntArray, width_mm: FloatArray
+) -> Paths:
+    """The lines of some gaps: P Polygons, the island of each, and by how many widths it keeps off its walls."""
+    merged, edges = middles(parts, width_mm[island])
     lines, part = shapely.get_parts(merged, return_index=True)
     width = width_mm[island[part]]
     long = (shapely.length(lines) >= _SHORTEST * width) & (shapely.get_dimensions(lines) == 1)
