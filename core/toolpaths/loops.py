@@ -63,8 +63,8 @@ def first_layer_loops(loops: list[FloatArray], feature: Feature, turn: Turn, wid
     )
 
 
-def on_layers(paths: Paths, layers: int, first: int = 0) -> Paths:
-    """Paths of one layer repeated on `layers` layers from `first` on."""
+def on_layers(paths: Paths, layers: int) -> Paths:
+    """Paths of one layer repeated on the first `layers` layers."""
     lines, points = len(paths.layer), len(paths.points)
     if not lines or layers <= 0:
         return Paths.empty()
@@ -72,7 +72,7 @@ def on_layers(paths: Paths, layers: int, first: int = 0) -> Paths:
     return Paths(
         points=np.tile(paths.points, (layers, 1)),
         start=np.append(begin.ravel(), layers * points).astype(np.int64),
-        layer=np.repeat(np.arange(first, first + layers, dtype=np.int64), lines),
+        layer=np.repeat(np.arange(layers, dtype=np.int64), lines),
         feature=np.tile(paths.feature, layers),
         island=np.tile(paths.island, layers),
         closed=np.tile(paths.closed, layers),

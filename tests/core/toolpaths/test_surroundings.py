@@ -76,8 +76,8 @@ def test_shield_stands_on_every_layer_at_its_distance():
 
 def test_repeated_layers_keep_every_path():
     single = brim_paths(shapely.box(0, 0, 5, 5), SETTINGS.changed({"brim_width": 1.0}))
-    thrice = on_layers(single, 3, first=2)
-    assert thrice.layer.tolist() == [2] * 3 + [3] * 3 + [4] * 3
+    thrice = on_layers(single, 3)
+    assert thrice.layer.tolist() == [0] * 3 + [1] * 3 + [2] * 3
     assert (np.diff(thrice.start) == np.tile(np.diff(single.start), 3)).all()
     assert (thrice.points == np.tile(single.points, (3, 1))).all()
     assert not len(on_layers(single, 0).layer)
