@@ -49,7 +49,7 @@ class FewerLayers:
         """The phase on all layers, from that on the grid of fewer."""
         grid, few = self.all, self.few
         node = np.flatnonzero(~self.kept)
-        low, share = between(few.arc, few.start, few.length, lines, self.place[node])
+        low, share = between(few.arc, few.length, self.place[node])
         up = np.full(len(grid.arc), -1)
         high, slid = np.zeros(len(grid.arc)), np.zeros(len(grid.arc))
         up[node] = few.loop[low]

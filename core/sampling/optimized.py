@@ -39,7 +39,7 @@ from .whole_waves import Phase, rounded
 LAYERS, STRIDE, TEAR = 4, 12, 2.0
 QUICK_SEARCH, QUICK_FIT = Search(((32, 2, 100), (8, 2, 80)), 40), (4, 1, 6)
 QUICK_STRAY = 0.03
-QUICK_POLISH = Polish((Stage(10, 2, 0.2, 0.35),), 0.15, 3, 3.0)
+QUICK_POLISH = Polish((Stage(10, 2, 0.25, 0.35),), 0.1, 2, 3.0)
 QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0043, 0.0022
 # Then on all layers, on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
@@ -131,7 +131,7 @@ class _Planning:
         lines, coarse, fine, settings = self.lines, self.coarse, self.fine, self.settings
         phase = rounded(lines, coarse, plan, STRAY, settings)
         phase = PhaseFit(coarse, phase, self.here, settings).solved(*coarse_fit)
-        phase = Phase(phase.at(*on_grid(coarse, lines, fine), coarse), phase.turns)
+        phase = Phase(phase.at(*on_grid(coarse, fine), coarse), phase.turns)
         phase = PhaseFit(fine, phase, _at_nodes(self.weight, lines, fine), settings).solved(*fine_fit)
         samples = Samples.on(lines, bounded(lines, *whole_phases(fine, phase), settings))
         return polished(self.projector, fine, samples, self.weight, POLISH, settings)

@@ -17,11 +17,11 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from .samples import Projector
 
-# Every so many contour points are projected as a rule, at least so many of each contour. One of so many points, and no
-# more than every other one of these, is searched on the whole layer above, the others near where their neighbors'
-# images are.
+# Every so many contour points are projected as a rule, at least so many of each contour. One of so many points, at least
+# so many of a contour, but no more than every other one of these, is searched on the whole layer above, the others near
+# where their neighbors' images are.
 STATION_STRIDE, LEAST_NODES = 3, 8
-SEARCHED = 24
+SEARCHED, LEAST_SEARCHED = 96, 4
 # Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
 # So many times as many points are projected between torn neighbors.
@@ -98,12 +98,12 @@ class PhaseGrid:
         """The images (Q,) of places (Q,), which may be NaN; those not `asked` (Q,) stay where they are."""
         out = place.copy()
         known = np.flatnonzero(asked & ~np.isnan(place))
-        node, share = between(self.arc, self.start, self.length, lines, place[known])
+        node, share = between(self.arc, self.length, place[known])
         torn = np.isnan(self.step[node])
         nearer = np.where(share < 0.5, node, self.ahead[node])
         image = np.where(torn, self.above[nearer], self.above[node] + share * self.step[node])
         up = self.loop[self.low[np.where(torn, nearer, node)]]
-        out[known] = lines.arc_start[up] + np.mod(image - lines.arc_start[up], lines.length[up])
+        out[known] = _around(lines, image, up)
         return out
 
     def spanning(self, lines: Contours, layers: int, spanned: int, tear: float) -> PhaseGrid:
@@ -171,7 +171,7 @@ def phase_grid(
     loop, rank = np.repeat(np.arange(len(many)), many), ranges(np.zeros(len(many), dtype=np.int64), many)
     node = lines.start[loop] + rank * every[loop]
     tear = TEAR * settings.wavelength
-    searched = rank % np.maximum(SEARCHED // every[loop], 2) == 0
+    searched = rank % np.clip(many // LEAST_SEARCHED, 2, SEARCHED // every)[loop] == 0
     above = _followed_images(lines, projector, node, searched, usable, tear)
     torn = np.flatnonzero(np.isnan(image_steps(lines, lines.arc[node], loop, above, tear)))
     ahead = following(starts(many))[torn]
@@ -203,15 +203,14 @@ def _followed_images(
     arc, loop = lines.arc[node[searched]], projector.loop[node[searched]]
     step = image_steps(lines, arc, loop, image, tear)
     ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
-    length = np.mod(arc[ahead] - arc, lines.length[loop])
+    length = _lengths(lines, arc, loop, ahead)
     owner = np.cumsum(searched) - 1
     smooth = (~np.isnan(step) & (length > 0))[owner]
     near = np.flatnonzero(~searched & smooth)
     at, owner = node[near], owner[near]
     up = loop_of(lines, image[owner])
-    way = image[owner] + step[owner] * (lines.arc[at] - arc[owner]) / length[owner] - lines.arc_start[up]
-    guess = lines.arc_start[up] + np.mod(way, lines.length[up])
-    place, distance = projector.nearby(lines.points[at], guess)
+    guess = _around(lines, image[owner] + (step / length)[owner] * (lines.arc[at] - arc[owner]), up)
+    place, distance = projector.nearby(projector.spot[at], guess)
     above[near] = np.where(distance <= projector.threshold, place, np.nan)
     others = np.flatnonzero(~searched & np.isnan(above))
     above[others] = _images(lines, projector, node[others], usable)
@@ -234,7 +233,7 @@ def image_steps(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatAr
     around = np.where(has, lines.length[up], 1.0)
     step = above[ahead] - above
     step -= around * np.rint(np.nan_to_num(step) / around)
-    own = np.mod(arc[ahead] - arc, lines.length[loop])
+    own = _lengths(lines, arc, loop, ahead)
     return np.where((up >= 0) & (up == up[ahead]) & (np.abs(step) <= own + tear), step, np.nan)
 
 
@@ -242,9 +241,9 @@ def grid_of(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray,
     """The grid of nodes with these arcs, contours, images and steps between images, all (K,)."""
     start = starts(np.bincount(loop, minlength=len(lines.layer)))
     ahead, behind = following(start), preceding(start)
-    length = np.mod(arc[ahead] - arc, lines.length[loop])
+    length = _lengths(lines, arc, loop, ahead)
     has = ~np.isnan(above)
-    low, share = between(arc, start, length, lines, above[has])
+    low, share = between(arc, length, above[has])
     full_low, full_share = np.zeros(len(arc), dtype=np.int64), np.zeros(len(arc))
     full_low[has], full_share[has] = low, share
     return PhaseGrid(
@@ -267,17 +266,27 @@ def grid_of(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray,
     )
 
 
-def between(
-    arc: FloatArray, start: IntArray, length: FloatArray, lines: Contours, place: FloatArray
-) -> tuple[IntArray, FloatArray]:
-    """The node before each place and the share of the way to the next one."""
-    loop = loop_of(lines, place)
+def between(arc: FloatArray, length: FloatArray, place: FloatArray) -> tuple[IntArray, FloatArray]:
+    """The node before each place, on a contour with nodes, and the share of the way to the next one."""
+    # A contour's first node is its first point, so that the node before a place is one of the same contour.
     node = np.searchsorted(arc, place, side="right") - 1
-    # A contour's first node is its first point, so that a node before the place is one of the same contour.
-    node = np.clip(node, start[loop], start[loop + 1] - 1)
-    return node, np.clip((place - arc[node]) / length[node], 0.0, 1.0)
+    return node, np.minimum((place - arc.take(node)) / length.take(node), 1.0)
 
 
-def on_grid(grid: PhaseGrid, lines: Contours, finer: PhaseGrid) -> tuple[IntArray, FloatArray]:
+def on_grid(grid: PhaseGrid, finer: PhaseGrid) -> tuple[IntArray, FloatArray]:
     """Where the nodes of a finer grid lie on this one: the node before each, and the share of the way to the next."""
-    return between(grid.arc, grid.start, grid.length, lines, finer.arc)
+    return between(grid.arc, grid.length, finer.arc)
+
+
+def _lengths(lines: Contours, arc: FloatArray, loop: IntArray, ahead: IntArray) -> FloatArray:
+    """(K,) mm along the contour from each node to the next, 0 where it is the only one."""
+    length = arc[ahead] - arc
+    over = np.flatnonzero(length < 0)
+    length[over] += lines.length[loop[over]]
+    return length
+
+
+def _around(lines: Contours, arc: FloatArray, loop: IntArray) -> FloatArray:
+    """Arcs (Q,) that may lie beyond an end of their contours (Q,), brought back onto these."""
+    length, local = lines.length.take(loop), arc - lines.arc_start.take(loop)
+    return np.asarray(arc - length * np.floor(local / length))

@@ -139,7 +139,7 @@ class Projector:
     def _above(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray]:
         image = np.full(len(query), np.nan)
         point, asked = self._nearest_points(query, layer + 1, self.sparse)
-        arc, distance = self._nearby(query[asked], self.lines.arc[point])
+        arc, distance = self._walked(as_complex(query)[asked], point)
         image[asked] = np.where(distance <= self.threshold, arc, np.nan)
         return (image,)
 
@@ -156,8 +156,8 @@ class Projector:
         distance[distance > self.threshold] = np.inf
         return arc, distance
 
-    def nearby(self, query: FloatArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The nearest place to each query point (Q, 2), found by going along the contour from a guessed one (Q,).
+    def nearby(self, query: ComplexArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The nearest place to each query point (Q,), found by going along the contour from a guessed one (Q,).
 
         Returns:
             (Q,) arc and (Q,) distance in mm.
@@ -165,9 +165,11 @@ class Projector:
         arc, distance = in_chunks(self._nearby, query, guess, threads=False)
         return arc, distance
 
-    def _nearby(self, query: FloatArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
-        spot = as_complex(query)
-        point = np.searchsorted(self.lines.arc, guess, side="right") - 1
+    def _nearby(self, query: ComplexArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return self._walked(query, np.searchsorted(self.lines.arc, guess, side="right") - 1)
+
+    def _walked(self, spot: ComplexArray, point: IntArray) -> tuple[FloatArray, FloatArray]:
+        """As `nearby`, from contour points (Q,) on."""
         loop = self.loop.take(point)
         first, end = self.lines.start.take(loop), self.lines.start.take(loop + 1)
         for _ in range(WALKS):

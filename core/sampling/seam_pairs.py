@@ -151,7 +151,7 @@ def pairs_between(
     some = np.flatnonzero(shaped[low[found]] | shaped[high])
     found = found[some]
     # Between nodes the image is near the line between theirs.
-    image, distance = projector.nearby(query[found].view(np.float64).reshape(-1, 2), image[found])
+    image, distance = projector.nearby(query[found], image[found])
     some = np.flatnonzero(distance <= projector.threshold)
     found = found[some]
     high, above = waves.locate(image[some], up[found])

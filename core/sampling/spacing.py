@@ -121,7 +121,7 @@ def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSet
     local, loop = in_order(np.mod(local, lines.length[loop]), loop)
     local, loop = pruned(local, loop, lines.length, least)
     local, loop = filled(local, loop, lines.length, long_enough(lines.length, settings), least)
-    return np.sort(on_loop(lines.arc_start[loop] + local, loop, lines.arc_start))
+    return np.sort(on_loop(lines.arc_start[loop] + local, loop, lines.arc_start), kind="stable")
 
 
 def pushed(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArray, least: float) -> FloatArray:

@@ -145,7 +145,7 @@ def planned(
     for number, ((coarse, span), steps) in enumerate(zip(grids, counts, strict=True)):
         if number:
             plan = _taken_over(lines, coarse, span, *grids[number - 1], plan)
-        node, _ = on_grid(grid, lines, coarse)
+        node, _ = on_grid(grid, coarse)
         plan = _solved(coarse, weight[node], plan, steps * (WEIGHTED_STEPS if _uneven(weight) else 1), settings)
     return plan
 
