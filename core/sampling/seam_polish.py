@@ -133,14 +133,11 @@ def _descent(waves: Waves, pairs: Pairs, stage: Stage, exact: bool) -> FloatArra
     stiffness = stiffness * steep
     before, size = pairs.before.ravel(), len(waves.place)
 
-    def summed(values: Singles) -> FloatArray:
-        """Values of places for both samples around each, by how near it is to them."""
-        after = values * share
-        values -= after
-        of_next = np.bincount(before, after.ravel(), size)
-        return np.asarray(np.bincount(before, values.ravel(), size) + of_next.take(waves.behind))
-
-    return -stage.rate * summed(pull) / (summed(stiffness) + DAMPING)
+    # A place pulls at the samples around it by how near it is to them; it is about as stiff for both.
+    total, of_next = np.bincount(before, pull.ravel(), size), np.bincount(before, (pull * share).ravel(), size)
+    stiff = np.bincount(before, stiffness.ravel(), size)
+    pulled = total - of_next + of_next.take(waves.behind)
+    return np.asarray(-2 * stage.rate * pulled / (stiff + stiff.take(waves.behind) + 2 * DAMPING))
 
 
 def _by_error(share: Singles, importance: Singles, stage: Stage) -> tuple[Singles, Singles]:

@@ -143,36 +143,35 @@ def pushed(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArra
     gap = np.empty_like(local)
     np.subtract(local[1:], local[:-1], out=gap[:-1])
     gap[last] = local[start[:-1][count > 0]] + length[count > 0] - local[last]
-    wrong = (gap < least * (1 + INSIDE)) | (gap > 2 * least * (1 - INSIDE))
     mean = length / np.maximum(count, 1)
-    amiss = (np.bincount(loop[wrong], minlength=len(count)) > 0) & (mean > least) & (mean < 2 * least)
-    if not amiss.any():
-        return local
-    out = local.copy()
-    some = np.flatnonzero(amiss[loop])
-    out[some] = _spread(local[some], count[amiss], length[amiss], least)
-    return out
+    fits = (mean > least) & (mean < 2 * least)
+    low, high = least * (1 + INSIDE), 2 * least * (1 - INSIDE)
+    for wrong, bound, sign in (
+        (gap < low, np.minimum(low, (least + mean) / 2), 1.0),
+        (gap > high, np.maximum(high, (2 * least + mean) / 2), -1.0),
+    ):
+        amiss = (np.bincount(loop[wrong], minlength=len(count)) > 0) & fits
+        some = np.flatnonzero(amiss[loop])
+        if len(some):
+            local = local.copy()
+            local[some] = _spread(local[some], count[amiss], length[amiss], bound[amiss], sign)
+    return local
 
 
-def _spread(local: FloatArray, count: IntArray, length: FloatArray, least: float) -> FloatArray:
-    """The samples of a few contours, all of which have to be moved."""
-    mean = length / count
+def _spread(
+    local: FloatArray, count: IntArray, length: FloatArray, bound: FloatArray, sign: float
+) -> FloatArray:
+    """The samples of a few contours, moved so that spacings are at least `bound`, or at most where `sign` is -1."""
     owner = np.repeat(np.arange(len(count)), count)
     first = starts(count)[:-1]
-    rank = ranges(np.zeros(len(count), dtype=np.int64), count)
+    usual = ranges(np.zeros(len(count), dtype=np.int64), count) * bound[owner]
     # Contours lie apart, so that no sample is pushed by those of another.
-    apart = 8 * float(length.max()) * owner
-    for bound, sign in (
-        (np.minimum(least * (1 + INSIDE), (least + mean) / 2), 1.0),
-        (np.maximum(2 * least * (1 - INSIDE), (2 * least + mean) / 2), -1.0),
-    ):
-        usual = rank * bound[owner]
-        place = sign * (local - usual) + apart
-        onward = np.maximum.accumulate(place)
-        back = np.minimum.accumulate(place[::-1])[::-1]
-        # What goes on over a contour's beginning has this much more room there.
-        spare = sign * (length - count * bound)
-        onward = np.maximum(onward, (onward[first + count - 1] - spare)[owner])
-        back = np.minimum(back, (back[first] + spare)[owner])
-        local = sign * ((onward + back) / 2 - apart) + usual
-    return local
+    apart = 8 * float(length.max()) * owner - sign * usual
+    place = sign * local + apart
+    onward = np.maximum.accumulate(place)
+    back = np.minimum.accumulate(place[::-1])[::-1]
+    # What goes on over a contour's beginning has this much more room there.
+    spare = sign * (length - count * bound)
+    onward = np.maximum(onward, (onward[first + count - 1] - spare)[owner])
+    back = np.minimum(back, (back[first] + spare)[owner])
+    return np.asarray(sign * ((onward + back) / 2 - apart))
