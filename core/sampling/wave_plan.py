@@ -38,8 +38,8 @@ OVER_RELAXATION = 1.8
 # there are many waves to move and few prices. The second holds where prices differ.
 PRIMAL_SHARE, WEIGHTED_SHARE = 0.1, 1.0
 # How far the waves may slide from a layer to the next, in waves, and what sliding and uneven spacing cost.
-SLIDE = 0.035
-SLIDE_COST = 0.02
+SLIDE = 0.045
+SLIDE_COST = 0.01
 UNEVEN_COST = 0.002
 # Steps that change no number of waves and no price by more than this end the search.
 SETTLED = 1e-5
@@ -85,7 +85,8 @@ class _Curl:
 
     def __init__(self, grid: PhaseGrid) -> None:
         self.size = len(grid.arc)
-        cell, start, self.edge, self.weight = grid.rows()
+        cell, start, self.edge, weight = grid.rows()
+        self.weight = weight.astype(np.float32)
         self.owner = np.repeat(cell, np.diff(start))
         self.ahead, self.behind = grid.ahead, grid.behind
         self.whole = np.zeros(self.size)
@@ -93,8 +94,7 @@ class _Curl:
 
     def __call__(self, waves: FloatArray, slide: FloatArray) -> FloatArray:
         """(K,) for waves (K,) and slides (K,)."""
-        above = np.bincount(self.owner, self.weight * waves.take(self.edge), self.size).astype(np.float64, copy=False)
-        above -= waves
+        above = np.bincount(self.owner, self.weight * waves.take(self.edge), self.size) - waves
         above -= slide.take(self.ahead)
         above += slide
         return above
@@ -193,7 +193,7 @@ def _solved(
     steps: int,
     settings: PrintSettings,
 ) -> WavePlan:
-    """So many steps of the primal-dual method from a first guess."""
+    """So many steps of the primal-dual method from a first guess, in single precision."""
     share = WEIGHTED_SHARE if _uneven(weight) else PRIMAL_SHARE
     usual = grid.length / (settings.wavelength * np.sqrt(2))
     curl = _Curl(grid)
@@ -212,7 +212,10 @@ def _solved(
     least, most = np.stack([fewest, -SLIDE * grid.span]), np.stack([most, SLIDE * grid.span])
     level, level_step = first.level, 1 / share / len(usual)
     goal, many = float(mean @ usual), 0.0
-    old = np.stack([first.waves, first.slide, first.price * curl.whole, usual])
+    mean, step, keep, dual_step, bound, least, most = (
+        values.astype(np.float32) for values in (mean, step, keep, dual_step, bound, least, most)
+    )
+    old = np.stack([first.waves, first.slide, first.price * curl.whole, usual]).astype(np.float32)
     old[:2] = np.minimum(np.maximum(old[:2], least), most)
     old[3], many, new = curl(*old[:2]), float(mean @ old[0]), np.empty_like(old)
     work = np.empty_like(old)
@@ -238,7 +241,8 @@ def _solved(
         np.subtract(new, old, out=work)
         work *= OVER_RELAXATION
         old += work
-    return WavePlan(new[0], new[1], new[2], level)
+    waves, slide, price = new[:3].astype(np.float64)
+    return WavePlan(waves, slide, price, level)
 
 
 def _uneven(weight: FloatArray) -> bool:
