@@ -39,7 +39,7 @@ OVER_RELAXATION = 1.8
 PRIMAL_SHARE, WEIGHTED_SHARE = 0.1, 1.0
 # How far the waves may slide from a layer to the next, in waves, and what sliding and uneven spacing cost.
 SLIDE = 0.045
-SLIDE_COST = 0.01
+SLIDE_COST = 0.012
 UNEVEN_COST = 0.002
 # Steps that change no number of waves and no price by more than this end the search.
 SETTLED = 1e-5
