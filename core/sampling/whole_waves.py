@@ -26,7 +26,7 @@ from .wave_plan import WavePlan
 
 # Waves by which the phase may stray from the plan before a wave is added or dropped, from and to; the stretch that is
 # changed ends at this share of it.
-STRAYS, STRETCH = (0.6, 1.5), 0.5
+STRAYS, STRETCH = (0.55, 1.5), 0.5
 # The plan is tilted by at most so many waves each way to steer their sum, which alone adds and drops none. What came
 # in excess shall be made up for in one of so many parts of what is left.
 STEERED, HASTE = 0.3, 4.0
