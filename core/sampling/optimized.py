@@ -56,7 +56,7 @@ LONGER_POLISH = Polish(
     (Stage(25, 1, 0.8, 0.2), Stage(25, 2, 0.7, 0.12), Stage(25, 3, 0.6, 0.06), Stage(25, 4, 0.53, 0.03)),
     0.1,
     4,
-    0.5,
+    0.4,
     exact=True,
 )
 # The phase rises at least so much along each edge of the grid.

@@ -146,23 +146,18 @@ def pairs_between(
     low, along = waves.locate(arc, grid.loop[edge])
     image, up = _images(projector, grid, edge, query, arc)
     found = np.flatnonzero(~np.isnan(image) & (np.diff(waves.start)[up] > 0))
-    high, above = waves.locate(image[found], up[found])
+    high, _ = waves.locate(image[found], up[found])
     shaped = free | free[waves.ahead]
     some = np.flatnonzero(shaped[low[found]] | shaped[high])
-    found, high, above = found[some], high[some], above[some]
+    found = found[some]
     # Between nodes the image is near the line between theirs.
-    nearest, distance = projector.nearby(query[found], image[found])
-    above += shortest(nearest - image[found], lines.length[up[found]])
+    image, distance = projector.nearby(query[found], image[found])
     some = np.flatnonzero(distance <= projector.threshold)
-    found, high, above = found[some], high[some], above[some]
+    found = found[some]
+    high, above = waves.locate(image[some], up[found])
     matters = weight.take(point[found]) * (apart * float(lines.arc_start[-1] / len(lines.arc)))
     after = np.stack([along[found], above]).astype(np.float32)
     return Pairs(np.stack([low[found], high]), after, matters.astype(np.float32))
-
-
-def shortest(way: FloatArray, around: FloatArray) -> FloatArray:
-    """Ways (Q,) along closed contours of lengths (Q,), the shorter way around."""
-    return np.asarray(way - around * np.rint(way / around))
 
 
 def _places(
