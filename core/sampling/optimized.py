@@ -43,7 +43,7 @@ QUICK_POLISH = Polish((Stage(10, 2, 0.25, 0.35),), 0.08, 2, 3.0)
 QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0043, 0.0022
 # Then on all layers, on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
-STRAY = 0.02
+STRAY = 0.017
 SEARCH = Search(((16, 8, 100), (4, 6, 100), (2, 4, 150)), 25)
 # Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
 COARSE_FIT, FINE_FIT = (8, 1, 10), (2, 0, 8)

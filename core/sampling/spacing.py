@@ -158,9 +158,7 @@ def pushed(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArra
     return local
 
 
-def _spread(
-    local: FloatArray, count: IntArray, length: FloatArray, bound: FloatArray, sign: float
-) -> FloatArray:
+def _spread(local: FloatArray, count: IntArray, length: FloatArray, bound: FloatArray, sign: float) -> FloatArray:
     """The samples of a few contours, moved so that spacings are at least `bound`, or at most where `sign` is -1."""
     owner = np.repeat(np.arange(len(count)), count)
     first = starts(count)[:-1]

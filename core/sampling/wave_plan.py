@@ -86,7 +86,7 @@ class _Curl:
     def __init__(self, grid: PhaseGrid) -> None:
         self.size = len(grid.arc)
         cell, start, self.edge, weight = grid.rows()
-        self.weight = weight.astype(np.float32)
+        self.weight = _single(weight)
         self.owner = np.repeat(cell, np.diff(start))
         self.ahead, self.behind = grid.ahead, grid.behind
         self.whole = np.zeros(self.size)
@@ -212,10 +212,8 @@ def _solved(
     least, most = np.stack([fewest, -SLIDE * grid.span]), np.stack([most, SLIDE * grid.span])
     level, level_step = first.level, 1 / share / len(usual)
     goal, many = float(mean @ usual), 0.0
-    mean, step, keep, dual_step, bound, least, most = (
-        values.astype(np.float32) for values in (mean, step, keep, dual_step, bound, least, most)
-    )
-    old = np.stack([first.waves, first.slide, first.price * curl.whole, usual]).astype(np.float32)
+    mean, step, keep, dual_step, bound, least, most = map(_single, (mean, step, keep, dual_step, bound, least, most))
+    old = _single(np.stack([first.waves, first.slide, first.price * curl.whole, usual]))
     old[:2] = np.minimum(np.maximum(old[:2], least), most)
     old[3], many, new = curl(*old[:2]), float(mean @ old[0]), np.empty_like(old)
     work = np.empty_like(old)
@@ -243,6 +241,11 @@ def _solved(
         old += work
     waves, slide, price = new[:3].astype(np.float64)
     return WavePlan(waves, slide, price, level)
+
+
+def _single(values: FloatArray) -> FloatArray:
+    """In single precision, which is half as much to read and write."""
+    return np.asarray(values, dtype=np.float32)
 
 
 def _uneven(weight: FloatArray) -> bool:
