@@ -17,9 +17,9 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from .samples import Projector
 
-# Every so many contour points are projected as a rule, at least so many of each contour. One of so many points is searched
-# on the whole layer above, at least so many of a contour, but no more than every other of these; the others are looked for
-# near where their neighbors' images are.
+# Every so many contour points are projected as a rule, at least so many of each contour. One of so many points is
+# searched on the whole layer above, at least so many of a contour, but no more than every other of these; the others
+# are looked for near where their neighbors' images are.
 STATION_STRIDE, LEAST_NODES = 3, 8
 SEARCHED, LEAST_SEARCHED = 96, 4
 # Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
