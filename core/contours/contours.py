@@ -198,14 +198,13 @@ def _inset(
     np.minimum(np.maximum(half, LEAST_WIDTH * widest), widest, out=width)
     depth = np.minimum(width, half)
     depth /= 2
-    spare = np.maximum(half - width, 0.0)
     if squash is not None:
-        np.minimum(squash, spare, out=squash)
-        depth += squash
-        spare -= squash
+        taken = np.minimum(squash, np.maximum(half - width, 0.0))
+        depth += taken
+        half = half - taken
     base, step, unbent = inset(outline, normal, depth, start, kernel)
     square, turning = dot(step, step), dot(steps(normal, start), step)
-    room = np.minimum(spare, bend_room(base, square, normal, turning, -1, start, inwards))
+    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, square, normal, turning, -1, start, inwards))
     np.multiply(room, unbent, out=lines.room_inside[part])
     if outwards:
         room = np.maximum(half_gap - NARROW_GAP, 0.0)
