@@ -43,7 +43,7 @@ def with_labels(sentence: str) -> str:
 def property_of(declared: Field[Any]) -> Any:
     """The Blender property of a setting: its type, default, limits, choices and description.
 
-    Lengths have the unit of camera lenses, the only one that Blender shows in mm in every scene.
+    Lengths have the unit of camera lenses, the only one that Blender shows in mm in every scene that has units.
     """
     limits, default = declared.metadata, declared.default
     common = {"name": label_of(declared), "default": default, "description": limits["description"]}

@@ -25,7 +25,7 @@ PLATE_BRIM_MM = 5.0  # a thin plate that stands upright needs a foot
 
 
 def _millimeters(name: str, default: float, description: str, low: float = 0.5, high: float = 200.0) -> Any:
-    """A length; shown in mm in every scene, for which camera lenses have the only such unit."""
+    """A length; shown in mm in every scene that has units, for which camera lenses have the only such unit."""
     return bpy.props.FloatProperty(
         name=name, default=default, description=description, min=low, max=high, unit="CAMERA", precision=LENGTH_DIGITS
     )

@@ -17,12 +17,19 @@ def draw_settings(layout: bpy.types.UILayout, obj: bpy.types.Object, section: Se
     """The settings of a section, one a row."""
     column = layout.column()
     for name in section.settings:
-        if obj.dualcolor.bl_rna.properties[name].type != "ENUM":
-            column.prop(obj.dualcolor, name)
+        declared = obj.dualcolor.bl_rna.properties[name]
+        if declared.type != "ENUM":
+            column.prop(obj.dualcolor, name, text=label_with_unit(declared, bpy.context.scene))
             continue
         row = column.split(factor=0.4)  # numbers have their names inside the field, choices beside it
-        row.label(text=obj.dualcolor.bl_rna.properties[name].name)
+        row.label(text=declared.name)
         row.prop(obj.dualcolor, name, text="")
+
+
+def label_with_unit(declared: bpy.types.Property, scene: bpy.types.Scene) -> str:
+    """A property's name, with the unit of a length where Blender shows none: in scenes without a unit system."""
+    bare = getattr(declared, "unit", "") == "CAMERA" and scene.unit_settings.system == "NONE"
+    return f"{declared.name} (mm)" if bare else declared.name
 
 
 def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "ERROR") -> None:

@@ -88,7 +88,7 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
     if obj.type not in WITH_SURFACE:
         raise MeshError(f"{obj.name} has no surface to print", "choose a mesh object")
     if obj.mode == "SCULPT":  # the modifier Multiresolution is left out, and Dynamic Topology keeps its own mesh
-        raise MeshError(f"{obj.name} is in Sculpt Mode", "leave it first: its strokes are in the mesh only then")
+        raise MeshError(f"{obj.name} is in Sculpt Mode", "leave it first, since its strokes are in the mesh only then")
     if obj.mode == "EDIT":
         obj.update_from_editmode()
         depsgraph.update()

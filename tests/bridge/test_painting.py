@@ -8,7 +8,8 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from dualcolor.bridge.paint.painting import picture_of, picture_size  # noqa: E402
-from dualcolor.core.errors import TextureError  # noqa: E402
+from dualcolor.bridge.paint.unwrap import unwrap  # noqa: E402
+from dualcolor.core.errors import MeshError, TextureError  # noqa: E402
 from dualcolor.core.settings.printer import printer_profile  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb, srgb_from_linear  # noqa: E402
 from dualcolor.core.texture.grade import Grade, graded  # noqa: E402
@@ -202,8 +203,8 @@ def test_unwrapping_does_not_spoil_sculpted_detail(registered):
     box = add_box((10, 10, 10))
     box.modifiers.new("Detail", "MULTIRES")
     bpy.ops.object.multires_subdivide(modifier="Detail")
-    with pytest.raises(RuntimeError, match="Multiresolution"):
-        bpy.ops.dualcolor.unwrap_xatlas()
+    with pytest.raises(MeshError, match="Multiresolution"):
+        unwrap(box, "xatlas")
     assert len(box.data.polygons) == 6
     assert bpy.ops.dualcolor.unwrap_smart() == {"FINISHED"}
 

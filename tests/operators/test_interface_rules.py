@@ -143,6 +143,16 @@ def test_lengths_are_not_rounded_to_other_lengths(operators):
     assert len(lengths) > 50 and {made.precision for made in lengths} == {4}
 
 
+@pytest.mark.parametrize(("system", "label"), [("NONE", "Layer Height (mm)"), ("METRIC", "Layer Height")])
+def test_lengths_say_their_unit_where_blender_does_not(classes, system, label):
+    from dualcolor.panels.rows import label_with_unit
+
+    group = bpy.types.Object.bl_rna.properties["dualcolor"].fixed_type
+    scene = SimpleNamespace(unit_settings=SimpleNamespace(system=system))
+    assert label_with_unit(group.properties["layer_height"], scene) == label
+    assert label_with_unit(group.properties["perimeters"], scene) == "Perimeters"
+
+
 def test_every_panel_is_in_the_tab_and_its_parent_comes_first(classes):
     panels = [each for each in classes if issubclass(each, bpy.types.Panel)]
     seen = set()
