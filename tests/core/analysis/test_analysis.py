@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from dualcolor.core.analysis.figures import heatmap, slope_colors, slope_picture, traceline_picture
-from dualcolor.core.analysis.orientation import directions, suggested, upright
+from dualcolor.core.analysis.orientation import CANDIDATES, directions, suggested, upright
 from dualcolor.core.analysis.picture import CLAY, Stroke, dots, draw
 from dualcolor.core.analysis.study import NO_SEAMS, analyze, faded_share
 from dualcolor.core.analysis.surface_curves import (
@@ -245,9 +245,19 @@ def test_overhangs_count_as_support():
 
 
 def test_orientations_that_do_not_fit_are_left_out():
-    mesh, paint = contrast_of(plate(np.indices((4, 4)).sum(axis=0) % 2.0, size=(180.0, 60.0, 6.0)))
-    for one in suggested(mesh, paint, WAVE):
-        assert one.height_mm <= WAVE.printer_profile.reach_max[2]
+    """A block shows the picture on its top if it is put on one of four sides; on two of them it may be too high."""
+    for length, ways in ((140.0, 4), (155.0, 2)):
+        block = plate(np.indices((4, 4)).sum(axis=0) % 2.0, size=(length, 80.0, 80.0))
+        found = [one for one in suggested(*contrast_of(block), WAVE) if one.contrast > 0.9 and one.bed_mm2]
+        assert len(found) == ways and all(one.height_mm <= WAVE.printer_profile.reach_max[2] for one in found)
+
+
+def test_the_present_orientation_is_among_the_few_suggested_however_bad_it_is():
+    found = suggested(*contrast_of(plate(np.indices((4, 4)).sum(axis=0) % 2.0, about_x(17.0))), WAVE)
+    assert len(found) == CANDIDATES == len({one.up for one in found})
+    assert found[-1].up == (0.0, 0.0, 1.0)
+    score = [one.score for one in found]
+    assert score == sorted(score, reverse=True)
 
 
 def test_directions_differ_and_turn_upright():
@@ -303,6 +313,18 @@ def test_faces_have_the_color_of_what_their_slope_shows():
     for degrees, color in ((60, CLAY), (25, DEGRADED_COLOR), (15, GONE_COLOR)):
         own = np.abs(rise - degrees) < 1
         assert own.sum() > 10 and (slope_colors(found)[own] == color).all()
+
+
+@pytest.mark.parametrize("pixels", [120, 400])
+def test_every_color_of_the_legend_is_below_the_picture(pixels):
+    legend = [((value, 0.0, 1.0 - value), "a word or two") for value in np.linspace(0, 1, 6).tolist()]
+    mesh = triangulate(box((0, 0, 0), (10, 10, 10)), WAVE)
+    plain, shown = (draw(mesh, [], FRONT, pixels, legend=each) for each in ([], legend))
+    height = len(plain)
+    assert np.array_equal(shown[:height], plain)
+    for color, _ in legend:
+        row, column = np.nonzero((shown[height:] == [round(255 * value) for value in color]).all(axis=2))
+        assert len(row) > 100 and np.ptp(row) < 15 and np.ptp(column) < 15  # one patch of each
 
 
 def test_pictures_show_seams_and_births(funnel):
