@@ -1,5 +1,7 @@
 """Photographs of the printed calibration tile: the tile, its marks, the table that is read off."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dualcolor.cli import main
@@ -20,7 +22,7 @@ from dualcolor.core.calibration.step_wedge import (
     wedge_plate,
     wedge_settings,
 )
-from dualcolor.core.calibration.table import read_table
+from dualcolor.core.calibration.table import read_table, write_table
 from dualcolor.core.errors import CalibrationError, PrintError
 from dualcolor.core.pictures.shapes import surface_of
 from dualcolor.core.pipeline import generate
@@ -162,6 +164,14 @@ def test_slopes_are_the_simulation_corrected_by_what_the_upright_wall_shows(tmp_
     assert lighter.reflectance[3, 8] - rows[3, 8] == pytest.approx(
         (faded(0.4) - rows[0, 8]) * (rows[3, -1] - rows[3, 0]) / (rows[0, -1] - rows[0, 0]), abs=0.015
     )
+
+
+def test_an_own_simulation_may_take_the_place_of_the_programs(tmp_path):
+    base = shipped_table(DEFAULT)
+    own = replace(base, reflectance=base.reflectance / 2 + 0.1)
+    write_table(tmp_path / "own.json", own)
+    made = table_of_photo(photo_of(tmp_path), DEFAULT, marks_in(TILTED), simulated=tmp_path / "own.json").table
+    assert made.reflectance[0, [0, -1]] == pytest.approx(own.reflectance[0, [0, -1]], abs=1e-4)
 
 
 def test_other_settings_than_the_simulations_give_the_upright_wall_alone(tmp_path):
