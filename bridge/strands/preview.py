@@ -54,7 +54,7 @@ def build_preview(
     outlines = getattr(result, "outlines", None)  # what is read from a file tells nothing of tones
     tone = tone_of_moves(outlines, result.moves, result.settings.raft_layers) if outlines else None
     new = strand_objects(laid, result.settings.black_tool, unit, origin, partial(marks, moves=result.moves, tone=tone))
-    collection = preview_of(source) if source else bpy.data.collections.get(f"{name} Dual-Color")
+    collection = preview_of(source) if source else _read_before(name)
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
     _replace_strands(collection, new, name)
     show_all_layers(collection, moves_of_layers(result.moves))
@@ -76,6 +76,12 @@ def preview_of(source: bpy.types.Object) -> bpy.types.Collection | None:
     if source.get(STRANDS_KEY):
         return next((held for held in source.users_collection if LAST_LAYER_KEY in held), None)
     return next((held for held in bpy.data.collections if held.get(SOURCE_KEY) == source), None)
+
+
+def _read_before(name: str) -> bpy.types.Collection | None:
+    """The strands of a file's print of that name; those of an object that it may have been made from are not."""
+    held = (held for held in bpy.data.collections if LAST_LAYER_KEY in held and not held.get(SOURCE_KEY))
+    return next((each for each in held if each.name.partition(" Dual-Color")[0] == name), None)
 
 
 def source_of(shown: bpy.types.Object | None) -> bpy.types.Object | None:

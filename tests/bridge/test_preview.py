@@ -153,3 +153,13 @@ def test_an_object_of_two_scenes_has_its_strands_in_both(cube):
     assert all(collection.name in each.collection.children for each in bpy.data.scenes)
     build_preview(square_print(), cube)
     assert [len(each.collection.children) for each in bpy.data.scenes] == [1, 1]
+
+
+def test_a_print_that_is_read_from_its_file_leaves_the_strands_of_its_object(cube):
+    cube.name = square_print().name
+    made = build_preview(square_print(), cube)
+    strands_before = list(made.objects)
+    read = build_preview(square_print())
+    assert read != made and list(made.objects) == strands_before
+    assert preview_of(cube) == made and source_of(read.objects[0]) == read.objects[0]
+    assert build_preview(square_print()) == read
