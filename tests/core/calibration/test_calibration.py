@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+from dualcolor.core.calibration.about import tone_settings
 from dualcolor.core.calibration.calibrate import shipped_table
 from dualcolor.core.calibration.gamut_maps import gamut_maps, one_map
 from dualcolor.core.calibration.readings import read_tones
@@ -213,6 +214,19 @@ def test_settings_that_the_table_does_not_hold_for_are_told():
     for height, nearest in ((0.15, 0.2), (0.21, 0.2), (0.24, 0.25), (0.3, 0.25)):
         table_used = shipped_table(PrintSettings(layer_height=height))
         assert table_used.about.settings["layer_height"] == nearest
+
+
+def test_the_nearest_table_differs_in_the_fewest_settings_then_by_the_smallest_shares():
+    settings = tone_settings(DEFAULT)
+
+    def distance(**changes):
+        return replace(ABOUT, settings=settings | changes).distance(DEFAULT)
+
+    width, height = settings["extrusion_width"], settings["layer_height"]
+    assert distance() == (0, 0)
+    assert distance(layer_height=height * 2) == (1, pytest.approx(0.5)) == distance(layer_height=height / 2)
+    assert distance(layer_height=height * 1.01, extrusion_width=width * 1.01) > distance(layer_height=height * 9)
+    assert distance(layer_height=height * 1.1) < distance(extrusion_width=width * 1.2) < distance(pattern="another")
 
 
 def test_every_pattern_has_a_table():
