@@ -136,6 +136,9 @@ def show_bounds(obj: bpy.types.Object, shown: bool) -> None:
         former = obj[DISPLAY_KEY]
         obj.display_type, obj.hide_render = former["type"], bool(former["hide_render"])
         del obj[DISPLAY_KEY]
+    elif not shown and obj.override_library and obj.display_type == "BOUNDS":  # with which no new key is saved
+        former = obj.override_library.reference
+        obj.display_type, obj.hide_render = former.display_type, former.hide_render
 
 
 def is_print_shown(source: bpy.types.Object) -> bool:

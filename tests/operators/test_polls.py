@@ -79,8 +79,8 @@ def test_an_instanced_collection_is_to_be_made_real(registered):
         bpy.ops.dualcolor.generate()
 
 
-def test_an_override_has_settings_of_its_own_that_are_saved(registered, tmp_path):
-    add_box((20, 20, 20)).dualcolor.perimeters = 3
+def test_an_override_has_settings_of_its_own_that_are_saved_and_looks_that_come_back(registered, tmp_path):
+    add_box((9, 9, 3)).dualcolor.perimeters = 3
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
     fresh()
     with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (held, wanted):
@@ -89,7 +89,11 @@ def test_an_override_has_settings_of_its_own_that_are_saved(registered, tmp_path
     bpy.context.collection.objects.link(own)
     bpy.context.view_layer.objects.active = own
     own.dualcolor.layer_height = 0.3
+    assert bpy.ops.dualcolor.generate() == {"FINISHED"} and own.display_type == "BOUNDS"
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "mine.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "mine.blend"))
-    group = next(obj for obj in bpy.data.objects if obj.override_library).dualcolor
+    own = next(obj for obj in bpy.data.objects if obj.override_library)
+    group = own.dualcolor
+    group.show_print = False
+    assert own.display_type == "TEXTURED" and not own.hide_render
     assert group.layer_height == pytest.approx(0.3) and group.perimeters == 3
