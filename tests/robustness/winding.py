@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from dualcolor.core.model import TriangleMesh
+from dualcolor.core.slicing.regions import gathered, regions_of
 from dualcolor.core.slicing.slices import REGION_TOLERANCE, Slices
 
 
@@ -17,8 +18,9 @@ class Agreement:
     Attributes:
         tried: how many points.
         left_out: of them, those in layers of which the slices say that outlines were left out; not compared.
-        unambiguous: of the others, those that all six rays count alike and that lie clear of the regions' boundaries.
-        disagreements: of these, those that the slices place on the other side.
+        unambiguous: of the others, those that all six rays count alike.
+        disagreements: of these, those that the outlines place on the other side, or the regions, which have fewer
+            points, by more than their tolerance.
         inside: of these, those within.
     """
 
@@ -35,21 +37,23 @@ def agreement(mesh: TriangleMesh, cut: Slices, count: int, seed: int = 1) -> Agr
     low, high = mesh.bounds
     layer = random.integers(0, len(cut.layers), count)
     points = np.column_stack([random.uniform(low[:2], high[:2], (count, 2)), cut.layers.plane[layer]])
-    shapely.prepare(cut.regions)
-    sliced = shapely.contains_xy(cut.regions[layer], points[:, 0], points[:, 1])
+    exact = regions_of(cut.outlines)
+    outlined, filled = (
+        shapely.contains_xy(regions[layer], points[:, 0], points[:, 1])
+        for regions in (gathered(exact.polygons, exact.polygon_layer, len(cut.layers)), cut.regions)
+    )
+    near = shapely.dwithin(shapely.boundary(cut.regions)[layer], shapely.points(points[:, :2]), REGION_TOLERANCE)
     triangles = mesh.vertices[mesh.faces]
     counts = np.concatenate([ray_windings(triangles, points, axis) for axis in range(3)])
     left_out = np.isin(layer, cut.open_layers)
-    edge = shapely.boundary(cut.regions)
-    shapely.prepare(edge)
     clear = (counts == counts[0]).all(axis=0) & ~left_out
-    clear &= ~shapely.dwithin(edge[layer], shapely.points(points[:, :2]), REGION_TOLERANCE)
     within = counts[0] != 0
+    wrong = (within != outlined) | ((within != filled) & ~near)
     return Agreement(
         tried=count,
         left_out=int(left_out.sum()),
         unambiguous=int(clear.sum()),
-        disagreements=int((clear & (within != sliced)).sum()),
+        disagreements=int((clear & wrong).sum()),
         inside=int((clear & within).sum()),
     )
 
