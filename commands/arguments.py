@@ -6,6 +6,7 @@ import argparse
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from ..core.settings import PrintSettings
 from ..core.settings.presets import preset_files, preset_values, read_settings
@@ -43,8 +44,8 @@ def rotation(args: argparse.Namespace) -> tuple[float, float, float]:
     return args.rotate_x, args.rotate_y, args.rotate_z
 
 
-def chosen_settings(args: argparse.Namespace) -> PrintSettings:
-    """Defaults, changed by presets, then by a file, then by single assignments.
+def chosen_settings(args: argparse.Namespace, **own: Any) -> PrintSettings:
+    """Defaults, changed by the command's own, then by presets, then by a file, then by single assignments.
 
     Raises:
         SettingsError: a preset is unknown, the file holds something else, or a setting does not fit.
@@ -52,7 +53,7 @@ def chosen_settings(args: argparse.Namespace) -> PrintSettings:
     values = preset_values(args.preset, _own_presets(args.preset)) | (
         read_settings(args.settings) if args.settings is not None else {}
     )
-    return PrintSettings().changed({**values, **dict(args.set)})
+    return PrintSettings().changed({**own, **values, **dict(args.set)})
 
 
 def _own_presets(names: Sequence[str]) -> Path | None:

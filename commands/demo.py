@@ -36,12 +36,12 @@ def outputs(args: argparse.Namespace) -> dict[str, Path]:
 
 
 def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
-    """Make the sample, print it, and say what came out.
+    """Make the sample, print it, with supports under ears and chin, and say what came out.
 
     Raises:
         PrintError: a setting does not fit, or a file cannot be written.
     """
-    settings = chosen_settings(args)
+    settings = chosen_settings(args, support_enable=True)
     load_blender()
     from ..bridge.objects.sample import make_sample
     from ..bridge.quiet import quiet_stdout
