@@ -48,7 +48,9 @@ def _linked(
 ) -> tuple[Outlines, IntArray]:
     cut = crossings(mesh, planes)
     if int((cut.high - cut.low).sum()) <= most_cuts:
-        return link(cut.segments(), gap_closing_radius)
+        segments = cut.segments()
+        del cut  # memory used before is used again sooner than new one
+        return link(segments, gap_closing_radius)
     begins, ends = (np.bincount(at, minlength=len(planes) + 1)[: len(planes)] for at in (cut.low, cut.high))
     cuts = np.cumsum(np.cumsum(begins - ends))
     parts, open_layers = [], []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..mesh.corners import complex_uv
-from ..model import FloatArray, IntArray
+from ..model import FloatArray, IntArray, TriangleMesh
 from ..parallel import CHUNK_ROWS
 from ..ragged import ahead
 from .cycles import cycles
@@ -30,18 +30,20 @@ def link(segments: Segments, gap_closing_radius: float) -> tuple[Outlines, IntAr
         segments, open_layers = close_chains(segments, 2 * gap_closing_radius)
     order, start = cycles(segments.successor, segments.layer)
     layer = segments.layer.take(order[start[:-1]])
-    plane = np.repeat(segments.planes.take(layer), np.diff(start))
+    mesh, plane = segments.mesh, np.repeat(segments.planes.take(layer), np.diff(start))
     tail = segments.tail.take(order)
-    points, share = _cut(segments, tail, plane)
+    del segments, order  # memory used before is used again sooner than new one
+    points, share = _cut(mesh, tail, plane)
     # Where a segment ends, the next one starts: on the same edge, seen from the face beyond.
-    arrival = _cut(segments, tail ^ 1, plane)[1] if has_gaps else ahead(share, start)
-    carried = _carried(segments, tail, (share, arrival))
+    arrival = _cut(mesh, tail ^ 1, plane)[1] if has_gaps else ahead(share, start)
+    del plane
+    carried = _carried(mesh, tail, (share, arrival))
     return Outlines(points, start, layer, faces_of(tail), carried), open_layers
 
 
-def _cut(segments: Segments, edge: IntArray, plane: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _cut(mesh: TriangleMesh, edge: IntArray, plane: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Where planes cut edges: (N, 2) mm, and (N,) the share of the way up the edge."""
-    count, columns = len(edge), columns_of(segments.mesh)
+    count, columns = len(edge), columns_of(mesh)
     points, share = np.empty(count, dtype=np.complex128), np.empty(count)
     for begin in range(0, count, CHUNK_ROWS):
         some = slice(begin, begin + CHUNK_ROWS)
@@ -49,9 +51,9 @@ def _cut(segments: Segments, edge: IntArray, plane: FloatArray) -> tuple[FloatAr
     return points.view(np.float64).reshape(-1, 2), share
 
 
-def _carried(segments: Segments, tail: IntArray, shares: tuple[FloatArray, FloatArray]) -> FloatArray:
+def _carried(mesh: TriangleMesh, tail: IntArray, shares: tuple[FloatArray, FloatArray]) -> FloatArray:
     """(N, 2, C) u, v and, if there is any, tone at both ends of segments, which lie at `shares` (N,) of their edges."""
-    mesh, count = segments.mesh, len(tail)
+    count = len(tail)
     uv = complex_uv(mesh.face_uv).ravel()
     tone = None if np.isnan(mesh.face_tone).all() else mesh.face_tone.ravel()
     carried = np.empty((count, 2, 2 if tone is None else 3))

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..parallel import CHUNK_ROWS
 from ..ragged import ahead, following, preceding, starts, sums
 from ..records import dataclass
 
@@ -68,19 +71,23 @@ class Outlines:
             return self
         return self._of(np.flatnonzero(np.repeat(keep, self.count)), self.count[keep], self.layer[keep])
 
-    def reduced(self, keep: BoolArray, point: BoolArray, count: IntArray) -> Outlines:
-        """The loops that `keep` (M,) marks, with only the points that `point` (N,) marks: `count` (M,) of each loop."""
+    def reduced(self, keep: BoolArray, point: BoolArray, count: IntArray, in_place: bool = False) -> Outlines:
+        """The loops that `keep` (M,) marks, with only the points that `point` (N,) marks: `count` (M,) of each loop.
+
+        With `in_place`, the arrays of these loops are used for those, which saves memory and time.
+        """
         if keep.all() and point.all():
             return self
         if not keep.any():
             return self.between(0, 0)
-        return self._of(np.flatnonzero(np.repeat(keep, self.count) & point), count[keep], self.layer[keep])
+        kept = np.flatnonzero(np.repeat(keep, self.count) & point)
+        return self._of(kept, count[keep], self.layer[keep], in_place)
 
-    def _of(self, point: IntArray, count: IntArray, layer: IntArray) -> Outlines:
-        """Loops made of some of the points, `count` (M,) each."""
-        # `take` is several times as fast as indexing where each row holds a few numbers.
-        points, carried = self.points.take(point, axis=0), self.carried.take(point, axis=0)
-        return Outlines(points, starts(count), layer, self.face.take(point), carried)
+    def _of(self, point: IntArray, count: IntArray, layer: IntArray, in_place: bool = False) -> Outlines:
+        """Loops made of some of the points, `count` (M,) each; see `reduced`."""
+        rows = _moved_up if in_place else _taken
+        points, face, carried = (rows(column, point) for column in (self.points, self.face, self.carried))
+        return Outlines(points, starts(count), layer, face, carried)
 
     def between(self, first: int, last: int) -> Outlines:
         """The loops from `first` to the one before `last`, as views."""
@@ -124,6 +131,20 @@ class Outlines:
         names = (column.name for column in fields(Outlines) if column.name != "start")
         whole = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
         return Outlines(start=starts(np.concatenate([part.count for part in parts])), **whole)
+
+
+def _taken(column: NDArray[Any], rows: IntArray) -> NDArray[Any]:
+    """Some rows of a column; this is several times as fast as indexing where each row holds a few numbers."""
+    return column.take(rows, axis=0)
+
+
+def _moved_up(column: NDArray[Any], rows: IntArray) -> NDArray[Any]:
+    """The same, in place, of increasing numbers of rows."""
+    for begin in range(0, len(rows), CHUNK_ROWS):
+        some = rows[begin : begin + CHUNK_ROWS]
+        if some[-1] >= begin + len(some):  # else nothing before them is left out
+            column[begin : begin + len(some)] = column.take(some, axis=0)
+    return column[: len(rows)]
 
 
 def interpolated(ends: FloatArray, share: FloatArray) -> FloatArray:

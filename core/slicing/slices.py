@@ -70,7 +70,8 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     raw, open_layers = linked_outlines(mesh, stack.plane, settings.gap_closing_radius)
     # A strand as round as it gets is as long around as its width says.
     shortest = np.pi * settings.extrusion_width
-    whole, specks = cleaned(raw, shortest)
+    whole, specks = cleaned(raw, shortest, in_place=True)
+    del raw
     solid = regions_of(whole, REGION_TOLERANCE)
     regions = gathered(solid.polygons, solid.polygon_layer, len(stack))
     crossing = _crossing(regions)
@@ -125,8 +126,10 @@ def _united_where(outlines: Outlines, crossing: BoolArray, shortest: float) -> O
     return Outlines.joined(in_threads(lambda loops: cleaned(united(outlines.between(*loops)), shortest)[0], bounds))
 
 
-def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
+def cleaned(outlines: Outlines, shortest: float, in_place: bool = False) -> tuple[Outlines, Outlines]:
     """Leave out segments without length, loops without area and loops shorter than `shortest` mm.
+
+    With `in_place`, the arrays of the outlines are overwritten.
 
     Returns:
         The outlines, and the loops with an area that were too short.
@@ -134,11 +137,15 @@ def cleaned(outlines: Outlines, shortest: float) -> tuple[Outlines, Outlines]:
     along = outlines.ends
     along -= outlines.points
     along *= along
-    length = np.sqrt(along[:, 0] + along[:, 1])
+    length = np.add(along[:, 0], along[:, 1])
+    del along
+    np.sqrt(length, out=length)
     point = length > SHORTEST_SEGMENT
-    count = outlines.count if point.all() else sums(point.astype(np.float64), outlines.start).astype(np.int64)
+    loop = np.searchsorted(outlines.start, np.flatnonzero(~point), side="right") - 1
+    count = outlines.count - np.bincount(loop, minlength=len(outlines.layer))
     short = sums(length, outlines.start) < shortest
-    parts = (outlines.reduced((count >= 3) & those, point, count) for those in (~short, short))
+    specks = outlines.reduced((count >= 3) & short, point, count)
+    whole = outlines.reduced((count >= 3) & ~short, point, count, in_place)
     # Areas are asked for again where loops are nested, of those that are left.
-    whole, specks = (part.selected(np.abs(part.signed_area) > SMALLEST_AREA) for part in parts)
+    whole, specks = (part.selected(np.abs(part.signed_area) > SMALLEST_AREA) for part in (whole, specks))
     return whole, specks

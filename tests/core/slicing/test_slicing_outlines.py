@@ -33,6 +33,27 @@ def test_reversing_a_loop_keeps_each_segment_with_its_own_values():
         assert back.carried[new, 0] == pytest.approx(carried[old, 1])
 
 
+def test_loops_reduced_in_place_are_those_of_a_copy():
+    rng = np.random.default_rng(0)
+    start = starts(rng.integers(3, 9, 20_000))
+    loops, points = len(start) - 1, int(start[-1])
+
+    def outlines():
+        values = np.arange(points, dtype=np.float64)
+        carried = np.arange(4.0 * points).reshape(-1, 2, 2)
+        return Outlines(np.stack([values, -values], axis=1), start, np.arange(loops), np.arange(points), carried)
+
+    keep, point = rng.random(loops) < 0.9, rng.random(points) < 0.9
+    point[:40_000] = keep[:6_000] = True  # nothing is left out for a while
+    count = np.add.reduceat(point, start[:-1], dtype=np.int64)
+    copied = outlines().reduced(keep, point, count)
+    own = outlines()
+    moved = own.reduced(keep, point, count, in_place=True)
+    for name in ("points", "start", "layer", "face", "carried"):
+        assert np.array_equal(getattr(moved, name), getattr(copied, name))
+    assert np.shares_memory(moved.carried, own.carried)
+
+
 def test_cycles_of_a_permutation():
     successor = np.array([3, 0, 2, 1, 5, 4])
     order, start = cycles(successor, np.array([7, 7, 3, 7, 7, 7]))
