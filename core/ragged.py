@@ -6,9 +6,14 @@ last.
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from .model import FloatArray, IntArray
+
+Number = TypeVar("Number", bound=np.generic)
 
 _SUMMABLE = float(1 << 26)  # parts of a millimeter
 
@@ -32,7 +37,7 @@ def following(start: IntArray) -> IntArray:
     return index
 
 
-def ahead(values: FloatArray, start: IntArray) -> FloatArray:
+def ahead(values: NDArray[Number], start: IntArray) -> NDArray[Number]:
     """(N, …) the value of the next member in a cyclic group, as `values[following(start)]` but in half the time."""
     moved = np.empty_like(values)
     moved[:-1] = values[1:]

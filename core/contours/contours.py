@@ -242,8 +242,13 @@ def _unit(vectors: FloatArray) -> FloatArray:
 
 
 def on_loop(arc: FloatArray, loop: IntArray, arc_start: FloatArray) -> FloatArray:
-    """Move arcs at the very end of their loop to its beginning, the same place: rounding puts them on the next loop."""
-    return np.where(arc >= arc_start[loop + 1] - 1e-9, arc_start[loop], arc)
+    """Move arcs at the very end of their loop to its beginning, the same place: rounding puts them on the next loop.
+
+    The arcs themselves are changed.
+    """
+    over = np.flatnonzero(arc >= arc_start.take(loop + 1) - 1e-9)
+    arc[over] = arc_start[loop[over]]
+    return arc
 
 
 def loop_of(lines: Contours, arc: FloatArray) -> IntArray:

@@ -37,9 +37,9 @@ from .whole_waves import Phase, rounded
 # are so many wavelengths farther apart than they. From this share of the pattern on that is a visible seam, or the
 # second where it is told how much a seam matters, all is done anew with more care.
 LAYERS, STRIDE, TEAR = 4, 12, 2.0
-QUICK_SEARCH, QUICK_FIT = Search(((32, 2, 100), (8, 2, 80)), 40), (4, 1, 6)
+QUICK_SEARCH, QUICK_FIT = Search(((32, 2, 100), (8, 2, 80)), 40), (3, 1, 6)
 QUICK_STRAY = 0.03
-QUICK_POLISH = Polish((Stage(10, 2, 0.25, 0.35),), 0.08, 2, 3.0)
+QUICK_POLISH = Polish((Stage(10, 2, 0.27, 0.35),), 0.08, 2, 3.0)
 QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0043, 0.0022
 # Then on all layers, on every so many nodes of the fine grid.
 COARSE_STRIDE = 4

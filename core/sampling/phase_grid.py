@@ -232,7 +232,7 @@ def image_steps(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatAr
     up = np.where(has, loop_of(lines, np.where(has, above, 0.0)), -1)
     around = np.where(has, lines.length[up], 1.0)
     step = above[ahead] - above
-    step -= around * np.rint(np.nan_to_num(step) / around)
+    step -= around * np.rint(step / around)
     own = _lengths(lines, arc, loop, ahead)
     return np.where((up >= 0) & (up == up[ahead]) & (np.abs(step) <= own + tear), step, np.nan)
 

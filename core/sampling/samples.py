@@ -11,7 +11,7 @@ from ..contours.contours import Contours, on_loop
 from ..contours.grid import PointGrid, nearest
 from ..model import FloatArray, IntArray
 from ..parallel import in_chunks
-from ..ragged import ahead, preceding, starts
+from ..ragged import ahead, preceding, ranges, starts
 from ..records import dataclass
 from .spacing import spacings
 
@@ -50,7 +50,11 @@ class Samples:
 
 def as_complex(points: FloatArray) -> ComplexArray:
     """Points (N, 2) as complex numbers (N,)."""
-    return np.ascontiguousarray(points).view(np.complex128)[:, 0]
+    if points.flags.c_contiguous:
+        return points.view(np.complex128)[:, 0]
+    number = np.empty(len(points), dtype=np.complex128)
+    number.real, number.imag = points.T
+    return number
 
 
 def squared(number: ComplexArray) -> FloatArray:
@@ -84,9 +88,9 @@ class Projector:
     @cached_property
     def sparse(self) -> PointGrid:
         """Every so many of them."""
-        return self._grid(
-            np.flatnonzero((np.arange(len(self.loop)) - self.lines.start[self.loop]) % SPARSE == 0), SPARSE
-        )
+        many = -(-np.diff(self.lines.start) // SPARSE)
+        first = np.repeat(self.lines.start[:-1], many)
+        return self._grid(first + SPARSE * ranges(np.zeros(len(many), dtype=np.int64), many), SPARSE)
 
     def _grid(self, point: IntArray, every: int) -> PointGrid:
         step = self.lines.length / np.maximum(np.diff(self.lines.start), 1)
@@ -103,7 +107,9 @@ class Projector:
     @cached_property
     def along(self) -> ComplexArray:
         """(N,) mm from each point to the next, as complex numbers."""
-        return as_complex(ahead(self.lines.points, self.lines.start) - self.lines.points)
+        along = ahead(self.spot, self.lines.start)
+        along -= self.spot
+        return along
 
     @cached_property
     def behind(self) -> IntArray:

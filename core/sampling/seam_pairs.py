@@ -10,7 +10,8 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, preceding, ranges
 from ..records import dataclass
 from .phase_grid import PhaseGrid
-from .samples import Projector, Samples
+from .samples import Projector, Samples, squared
+from .spacing import gaps
 
 Singles = NDArray[np.float32]
 
@@ -44,12 +45,11 @@ class Waves:
         self.arc = samples.arc
         self.first = self.place = samples.arc - lines.arc_start[samples.loop]
         self.ahead, self.behind = following(self.start), preceding(self.start)
-        self.around = np.where(self.ahead <= np.arange(len(self.loop)), self.length[self.loop], 0.0)
         self.first_gap = self.gap().astype(np.float32)
 
     def gap(self) -> FloatArray:
         """(S,) mm from each sample to the next."""
-        return np.asarray(self.place[self.ahead] - self.place + self.around)
+        return gaps(self.place, self.start, self.length)
 
     def locate(self, arc: FloatArray, loop: IntArray) -> tuple[IntArray, FloatArray]:
         """The sample before each of places on contours at first, and how far these lie after it, mm.
@@ -70,8 +70,9 @@ class Waves:
             low, high = np.cos(FULL * share)
             return float(pairs.importance @ ((low - high) ** 2 >= VISIBLE))
         # The share of all phases at which 4 sin²(π slide) sin²(phase) is VISIBLE.
-        least = np.float32(np.sqrt(VISIBLE) / 2) / np.maximum(np.abs(np.sin(HALF * (share[0] - share[1]))), 1e-6)
-        return float(pairs.importance @ np.arccos(np.minimum(least, 1))) / (np.pi / 2)
+        sine, least = np.abs(np.sin(HALF * (share[0] - share[1]))), np.float32(np.sqrt(VISIBLE) / 2)
+        some = np.flatnonzero(sine > least)
+        return float(pairs.importance[some] @ np.arccos(least / sine[some])) / (np.pi / 2)
 
     def shares(self, pairs: Pairs) -> tuple[Singles, Singles]:
         """(2, P) how far each place lies on the way from the sample before to the next, and 1 by the mm between these.
@@ -79,19 +80,20 @@ class Waves:
         Where samples have moved past places since these were located, that is a little less than 0 or more than 1.
         """
         moved, inverse = (self.place - self.first).astype(np.float32), (1 / self.gap()).astype(np.float32)
-        steep = inverse.take(pairs.before)
-        share = pairs.along - moved.take(pairs.before)
+        # Clipping, of which there is nothing to do, is quicker than checking.
+        steep = inverse.take(pairs.before, mode="clip")
+        share = pairs.along - moved.take(pairs.before, mode="clip")
         share *= steep
         return share, steep
 
     def relocate(self, pairs: Pairs) -> None:
         """Find the samples before all places anew, where samples have moved past these by less than a spacing."""
-        share, _ = self.shares(pairs)
-        astray = np.nonzero((share < 0) | (share >= 1))
-        old, early = pairs.before[astray], share[astray] < 0
+        share, before, along = (of.ravel() for of in (self.shares(pairs)[0], pairs.before, pairs.along))
+        astray = np.flatnonzero((share < 0) | (share >= 1))
+        old, early = before[astray], share[astray] < 0
         new = np.where(early, self.behind[old], self.ahead[old])
-        pairs.along[astray] += np.where(early, self.first_gap[new], -self.first_gap[old])
-        pairs.before[astray] = new
+        along[astray] += np.where(early, self.first_gap[new], -self.first_gap[old])
+        before[astray] = new
 
 
 def near_seams(grid: PhaseGrid, waves: Waves, seam: float, around: int) -> tuple[BoolArray, IntArray]:
@@ -165,19 +167,16 @@ def _places(
 ) -> tuple[IntArray, IntArray, NDArray[np.complex128], FloatArray]:
     """Places on the edges from nodes: (P,) the edge of each, the contour point before, where it is, and its arc."""
     lines = projector.lines
-    loop = grid.loop[node]
-    last = np.where(grid.seam[node] > 0, lines.start[loop + 1], np.searchsorted(lines.arc, grid.arc[grid.ahead[node]]))
+    loop, first = grid.loop[node], np.searchsorted(lines.arc, grid.arc)
+    last = np.where(grid.seam[node] > 0, lines.start[loop + 1], first[grid.ahead[node]])
     # How many places lie before each edge's beginning and before its end.
-    begin, end = (
-        np.ceil((point - lines.start[loop]) / apart).astype(np.int64)
-        for point in (np.searchsorted(lines.arc, grid.arc[node]), last)
-    )
+    begin, end = (np.ceil((point - lines.start[loop]) / apart).astype(np.int64) for point in (first[node], last))
     edge, place = np.repeat(node, end - begin), apart * ranges(begin, end - begin)
     point = place.astype(np.int64)
     place -= point
     point += lines.start.take(grid.loop.take(edge))
     away = projector.along.take(point) * place
-    query, arc = projector.spot.take(point) + away, lines.arc.take(point) + np.abs(away)
+    query, arc = projector.spot.take(point) + away, lines.arc.take(point) + np.sqrt(squared(away))
     return edge, point, query, arc
 
 

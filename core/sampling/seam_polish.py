@@ -38,6 +38,8 @@ LONGEST, DAMPING = 0.08, 1.0
 LEAST_STIFFNESS = 0.15
 # Share of a step that the next one keeps on.
 MOMENTUM = 0.6
+# How stiff samples are is found anew every so many steps.
+STIFFENED = 2
 # After so many steps places are located anew among the samples.
 RELOCATED = 8
 
@@ -106,12 +108,13 @@ def polished(
     pairs = pairs_between(projector, grid, waves, node, free, weight, effort.apart)
     best, best_place = np.inf, waves.place
     for stage in effort.stages:
-        velocity = np.zeros(len(waves.place))
+        velocity, stiff = np.zeros(len(waves.place)), None
         for number in range(stage.steps):
             if number % RELOCATED == RELOCATED - 1:
                 waves.relocate(pairs)
             velocity *= MOMENTUM
-            velocity += _descent(waves, pairs, stage, effort.exact)
+            step, stiff = _descent(waves, pairs, stage, effort.exact, stiff if number % STIFFENED else None)
+            velocity += step
             velocity *= free
             np.minimum(np.maximum(velocity, -LONGEST * least, out=velocity), LONGEST * least, out=velocity)
             waves.place = pushed(waves.place + velocity, waves.loop, waves.start, waves.length, least)
@@ -124,20 +127,34 @@ def polished(
     return samples, float(best / patterned)
 
 
-def _descent(waves: Waves, pairs: Pairs, stage: Stage, exact: bool) -> FloatArray:
-    """(S,) mm that each sample should move, in single precision, which is plenty."""
+def _descent(
+    waves: Waves, pairs: Pairs, stage: Stage, exact: bool, stiff: FloatArray | None
+) -> tuple[FloatArray, FloatArray]:
+    """(S,) mm that each sample should move, and (S,) how stiff it is, if that is not given.
+
+    Places are worked on in single precision, which is plenty.
+    """
     share, steep = waves.shares(pairs)
     pull, stiffness = (_by_error if exact else _by_slide)(share, pairs.importance, stage)
     pull *= steep
-    steep *= steep
-    stiffness = stiffness * steep
+    share *= pull
     before, size = pairs.before.ravel(), len(waves.place)
 
+    def summed(of: Singles) -> FloatArray:
+        return np.asarray(np.bincount(before, of.ravel(), size), dtype=float)
+
     # A place pulls at the samples around it by how near it is to them; it is about as stiff for both.
-    total, of_next = np.bincount(before, pull.ravel(), size), np.bincount(before, (pull * share).ravel(), size)
-    stiff = np.bincount(before, stiffness.ravel(), size)
-    pulled = total - of_next + of_next.take(waves.behind)
-    return np.asarray(-2 * stage.rate * pulled / (stiff + stiff.take(waves.behind) + 2 * DAMPING))
+    if stiff is None:
+        steep *= steep
+        steep *= stiffness
+        stiff = summed(steep)
+        stiff += stiff.take(waves.behind) + 2 * DAMPING
+    total, of_next = summed(pull), summed(share)
+    total -= of_next
+    total += of_next.take(waves.behind)
+    total *= -2 * stage.rate
+    total /= stiff
+    return total, stiff
 
 
 def _by_error(share: Singles, importance: Singles, stage: Stage) -> tuple[Singles, Singles]:

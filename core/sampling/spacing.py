@@ -37,6 +37,16 @@ def spacings(local: FloatArray, loop: IntArray, length: FloatArray) -> tuple[Flo
     return ahead, behind
 
 
+def gaps(local: FloatArray, start: IntArray, length: FloatArray) -> FloatArray:
+    """(S,) distance from each sample to the next one around its loop, where each one's samples `start` (M + 1,)."""
+    some = np.flatnonzero(start[1:] > start[:-1])
+    first, last = start[some], start[some + 1] - 1
+    gap = np.empty_like(local)
+    np.subtract(local[1:], local[:-1], out=gap[:-1])
+    gap[last] = local[first] + length[some] - local[last]
+    return gap
+
+
 def relaxed(local: FloatArray, loop: IntArray, length: FloatArray, share: float) -> tuple[FloatArray, IntArray]:
     """Move every sample by `share` of the way to the middle of its two neighbors.
 
@@ -139,10 +149,7 @@ def pushed(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArra
         least: λ, mm.
     """
     count = np.diff(start)
-    last = start[1:][count > 0] - 1
-    gap = np.empty_like(local)
-    np.subtract(local[1:], local[:-1], out=gap[:-1])
-    gap[last] = local[start[:-1][count > 0]] + length[count > 0] - local[last]
+    gap = gaps(local, start, length)
     mean = length / np.maximum(count, 1)
     fits = (mean > least) & (mean < 2 * least)
     low, high = least * (1 + INSIDE), 2 * least * (1 - INSIDE)
@@ -150,26 +157,33 @@ def pushed(local: FloatArray, loop: IntArray, start: IntArray, length: FloatArra
         (gap < low, np.minimum(low, (least + mean) / 2), 1.0),
         (gap > high, np.maximum(high, (2 * least + mean) / 2), -1.0),
     ):
-        amiss = (np.bincount(loop[wrong], minlength=len(count)) > 0) & fits
-        some = np.flatnonzero(amiss[loop])
+        amiss = np.zeros(len(count), dtype=bool)
+        amiss[loop[wrong]] = True
+        amiss &= fits
+        some = ranges(start[:-1][amiss], count[amiss])
         if len(some):
             local = local.copy()
-            local[some] = _spread(local[some], count[amiss], length[amiss], bound[amiss], sign)
+            local[some] = _spread(local.take(some), count[amiss], length[amiss], bound[amiss], sign)
     return local
 
 
 def _spread(local: FloatArray, count: IntArray, length: FloatArray, bound: FloatArray, sign: float) -> FloatArray:
     """The samples of a few contours, moved so that spacings are at least `bound`, or at most where `sign` is -1."""
-    owner = np.repeat(np.arange(len(count)), count)
+    number = np.arange(len(count))
+    owner = np.repeat(number, count)
     first = starts(count)[:-1]
-    usual = ranges(np.zeros(len(count), dtype=np.int64), count) * bound[owner]
-    # Contours lie apart, so that no sample is pushed by those of another.
-    apart = 8 * float(length.max()) * owner - sign * usual
+    # Contours lie apart, so that no sample is pushed by those of another; on each, samples are a `bound` apart.
+    usual = sign * bound
+    apart = (8 * float(length.max()) * number + usual * first).take(owner)
+    apart -= np.arange(len(local)) * usual.take(owner)
     place = sign * local + apart
     onward = np.maximum.accumulate(place)
     back = np.minimum.accumulate(place[::-1])[::-1]
     # What goes on over a contour's beginning has this much more room there.
     spare = sign * (length - count * bound)
-    onward = np.maximum(onward, (onward[first + count - 1] - spare)[owner])
-    back = np.minimum(back, (back[first] + spare)[owner])
-    return np.asarray(sign * ((onward + back) / 2 - apart))
+    onward = np.maximum(onward, (onward[first + count - 1] - spare).take(owner))
+    onward += np.minimum(back, (back[first] + spare).take(owner))
+    onward /= 2
+    onward -= apart
+    onward *= sign
+    return onward

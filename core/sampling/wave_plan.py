@@ -24,7 +24,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..contours.contours import Contours, loop_of
-from ..model import FloatArray
+from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid, on_grid
@@ -87,6 +87,7 @@ class _Curl:
         self.size = len(grid.arc)
         cell, start, self.edge, weight = grid.rows()
         self.weight = _single(weight)
+        self.entries = np.empty_like(self.weight)
         self.owner = np.repeat(cell, np.diff(start))
         self.ahead, self.behind = grid.ahead, grid.behind
         self.whole = np.zeros(self.size)
@@ -94,15 +95,24 @@ class _Curl:
 
     def __call__(self, waves: FloatArray, slide: FloatArray) -> FloatArray:
         """(K,) for waves (K,) and slides (K,)."""
-        above = np.bincount(self.owner, self.weight * waves.take(self.edge), self.size) - waves
-        above -= slide.take(self.ahead)
+        above = np.bincount(self.owner, self._weighted(waves, self.edge), self.size).astype(np.float32)
+        above -= waves
+        above -= slide.take(self.ahead, mode="clip")
         above += slide
-        return above
+        return np.asarray(above)
 
     def transposed(self, dual: FloatArray, out: FloatArray) -> None:
         """`out` (2, K) for births less deaths (K,) that are none on torn edges."""
-        np.subtract(np.bincount(self.edge, self.weight * dual.take(self.owner), self.size), dual, out=out[0])
-        np.subtract(dual, dual.take(self.behind), out=out[1])
+        out[0] = np.bincount(self.edge, self._weighted(dual, self.owner), self.size)
+        out[0] -= dual
+        np.subtract(dual, dual.take(self.behind, mode="clip"), out=out[1])
+
+    def _weighted(self, values: FloatArray, place: IntArray) -> FloatArray:
+        """(E,) values (K,) at the places of all entries, times their weights."""
+        # Clipping, of which there is nothing to do, is quicker than checking.
+        values.take(place, out=self.entries, mode="clip")
+        self.entries *= self.weight
+        return self.entries
 
     def row_sums(self) -> FloatArray:
         """Sums of the magnitudes of each row."""

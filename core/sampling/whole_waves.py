@@ -161,6 +161,8 @@ class _Rounding:
         fewest, most = feasible_turns(grid, settings)
         self.turns = np.clip(np.rint(self.total), fewest, most) * (np.diff(grid.start) > 0)
         self.stands_for = sums(grid.stands_for, grid.start) / np.maximum(np.diff(grid.start), 1)
+        # What the contours have more than planned, and what entries hand up, both as far as known.
+        self.more, self.value = np.zeros(len(self.total)), np.zeros(len(handed.source))
         self.excess, self.left = 0.0, float(self.stands_for @ self.total)
         # Of the contours that get something from below, of what they get, and which nodes are theirs.
         self.planned, self.fewest, self.most = (of[handed.contour] for of in (self.total, fewest, most))
@@ -176,13 +178,15 @@ class _Rounding:
         more = self.turns[loops] - planned
         self.excess += float(stands_for @ more)
         self.left -= float(stands_for @ planned)
-        more = more.take(grid.loop[nodes] - loops.start)
+        self.more[loops] = more
+        more = self.more.take(grid.loop[nodes])
         if value is None:
             self.lack[nodes] = self.way[nodes] * more
             return
         ramp = self.way[nodes] * more
-        even = value.take(handed.before[nodes] - entries.start, mode="clip")
-        rise = value.take(handed.after[nodes] - entries.start, mode="clip")
+        self.value[entries] = value
+        even = self.value.take(handed.before[nodes])
+        rise = self.value.take(handed.after[nodes])
         rise -= even
         rise *= handed.share[nodes]
         even += rise
@@ -190,10 +194,16 @@ class _Rounding:
         even -= ramp
         if known.stop - known.start < loops.stop - loops.start:
             even *= self.fed[nodes]
-        ahead, behind = grid.ahead[nodes] - nodes.start, grid.behind[nodes] - nodes.start
+        ahead, behind = grid.ahead[nodes], grid.behind[nodes]
         for _ in range(SMOOTHINGS):
-            even = 0.5 * even + 0.25 * (even.take(ahead) + even.take(behind))
-        self.lack[nodes] = ramp + even
+            self.lack[nodes] = even
+            around = self.lack.take(ahead)
+            around += self.lack.take(behind)
+            around *= 0.25
+            even *= 0.5
+            even += around
+        even += ramp
+        self.lack[nodes] = even
 
     def _carried(self, known: slice, entries: slice) -> FloatArray:
         """Take over the phase from below, less the plan; fixes the number of waves of the `known` contours."""
@@ -230,11 +240,12 @@ def _mended(stray: FloatArray, start: IntArray, most: FloatArray) -> FloatArray:
         if not (away > most).any():
             break
         side = np.sign(stray) * (away > STRETCH * most)
-        begins = np.append(True, side[1:] != side[:-1])
+        begins = np.empty(len(stray), dtype=bool)
+        np.not_equal(side[1:], side[:-1], out=begins[1:])
         begins[start[:-1]] = True
         stretch = np.flatnonzero(begins)
         far: BoolArray = (np.maximum.reduceat(away - most, stretch) > 0) & (side[stretch] != 0)
-        stray = stray - side * np.repeat(far, np.diff(np.append(stretch, len(stray))))
+        stray = stray - side * far.take(begins.cumsum() - 1)
     return stray
 
 
