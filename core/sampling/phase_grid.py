@@ -43,8 +43,7 @@ class PhaseGrid:
         step: (K,) mm, from a node's image to the next node's along the contour above; NaN where the edge is torn.
         above: (K,) mm, the arc of the node's image; NaN where there is none.
         low: (K,) int64, the node before the image, 0 where there is none.
-        high: (K,) int64, the node after it.
-        share: (K,) how far the image lies on the way from `low` to `high`.
+        share: (K,) how far the image lies on the way from `low` to the next node.
         span: (K,) how many layers higher the image is; 1 where there is none.
         shortest: (K,) mm, the least length of each edge and of what leads to it between the layers of the grid.
         longest: (K,) mm, the greatest.
@@ -61,7 +60,6 @@ class PhaseGrid:
     step: FloatArray
     above: FloatArray
     low: IntArray
-    high: IntArray
     share: FloatArray
     span: FloatArray
     shortest: FloatArray
@@ -257,7 +255,6 @@ def grid_of(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray,
         step=step,
         above=above,
         low=full_low,
-        high=ahead[full_low] if len(arc) else full_low,
         share=full_share,
         span=np.where(has, lines.layer[loop[full_low]] - lines.layer[loop], 1.0),
         shortest=length,

@@ -181,8 +181,10 @@ class Projector:
         for _ in range(WALKS):
             along = self.along.take(point)
             way = dot(spot - self.spot.take(point), along) / np.maximum(squared(along), 1e-18)
-            point += np.floor(np.clip(way, -FARTHEST, FARTHEST)).astype(np.int64)
-            point += (end - first) * ((point < first).astype(np.int64) - (point >= end))
+            np.minimum(np.maximum(way, -FARTHEST, out=way), FARTHEST, out=way)
+            point += np.floor(way, out=way).astype(np.int64)
+            over = np.flatnonzero((point < first) | (point >= end))
+            point[over] = first[over] + (point[over] - first[over]) % (end[over] - first[over])
         arc, gap = self._on_segments(spot, point)
         return arc, np.sqrt(gap)
 

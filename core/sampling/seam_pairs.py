@@ -111,7 +111,7 @@ def near_seams(grid: PhaseGrid, waves: Waves, seam: float, around: int) -> tuple
     low, along = waves.locate(grid.arc[node], own)
     high, above = waves.locate(grid.above[node], up)
     slide = along / gap[low] - above / gap[high]
-    seen = 4 * np.sin(np.pi * slide) ** 2 > seam
+    seen = np.abs(slide - np.rint(slide)) > np.arcsin(np.sqrt(seam) / 2) / np.pi
     near = np.zeros(len(waves.place), dtype=bool)
     near[low[seen]] = True
     near[high[seen]] = True

@@ -171,7 +171,7 @@ def test_nodes_are_linked_to_what_lies_above_them():
     grid = phase_grid(lines, projector, DEFAULT)
     node = np.flatnonzero(grid.linked)
     here, above = projector.at(grid.arc[node]), projector.at(grid.above[node])
-    low, high = projector.at(grid.arc[grid.low[node]]), projector.at(grid.arc[grid.high[node]])
+    low, high = projector.at(grid.arc[grid.low[node]]), projector.at(grid.arc[grid.ahead[grid.low[node]]])
     assert np.hypot(*(here - above).T).max() < 0.25
     between = low + grid.share[node, None] * (high - low)
     assert np.hypot(*(between - above).T).max() < 0.02
