@@ -16,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray
+from ..parallel import product
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
 from .whole_waves import Phase
@@ -117,19 +118,19 @@ class PhaseFit:
         residual = self._transposed(edge_side, link_side)
         inverse = 1 / diagonal
         change, direction = np.zeros(size), residual * inverse
-        squared = float(residual @ direction)
+        squared = product(residual, direction)
         enough = CONVERGED * squared
         for _ in range(steps):
             if squared <= enough:
                 break
             rise = self._rise(direction)
-            product = self._transposed(edge * rise, link * self._link(direction, rise))
-            length = squared / float(direction @ product)
+            towards = self._transposed(edge * rise, link * self._link(direction, rise))
+            length = squared / product(direction, towards)
             change += length * direction
-            product *= length
-            residual -= product
+            towards *= length
+            residual -= towards
             scaled = residual * inverse
-            before, squared = squared, float(residual @ scaled)
+            before, squared = squared, product(residual, scaled)
             direction *= squared / before
             direction += scaled
         return change

@@ -25,6 +25,7 @@ import numpy as np
 
 from ..contours.contours import Contours, loop_of
 from ..model import FloatArray, IntArray
+from ..parallel import product
 from ..records import dataclass
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid, on_grid
@@ -221,11 +222,11 @@ def _solved(
     fewest, most = grid.bounds(settings.wavelength, MARGIN)
     least, most = np.stack([fewest, -SLIDE * grid.span]), np.stack([most, SLIDE * grid.span])
     level, level_step = first.level, 1 / share / len(usual)
-    goal, many = float(mean @ usual), 0.0
+    goal, many = product(mean, usual), 0.0
     mean, step, keep, dual_step, bound, least, most = map(_single, (mean, step, keep, dual_step, bound, least, most))
     old = _single(np.stack([first.waves, first.slide, first.price * curl.whole, usual]))
     old[:2] = np.minimum(np.maximum(old[:2], least), most)
-    old[3], many, new = curl(*old[:2]), float(mean @ old[0]), np.empty_like(old)
+    old[3], many, new = curl(*old[:2]), product(mean, old[0]), np.empty_like(old)
     work = np.empty_like(old)
     pull, price = work[:2], work[2]
     for number in range(steps):
@@ -243,7 +244,7 @@ def _solved(
         np.minimum(np.maximum(price, -bound, out=price), bound, out=new[2])
         if number % 20 == 19 and np.abs(new[:3:2] - old[:3:2]).max() < SETTLED:
             break
-        now = float(mean @ new[0])
+        now = product(mean, new[0])
         level += OVER_RELAXATION * level_step * (2 * now - many - goal)
         many += OVER_RELAXATION * (now - many)
         np.subtract(new, old, out=work)
