@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..contours.contours import Contours, loop_of
 from ..model import BoolArray, FloatArray, IntArray
+from ..parallel import product
 from ..ragged import following, preceding, ranges
 from ..records import dataclass
 from .phase_grid import PhaseGrid
@@ -68,11 +69,11 @@ class Waves:
         share, _ = self.shares(pairs)
         if exact:
             low, high = np.cos(FULL * share)
-            return float(pairs.importance @ ((low - high) ** 2 >= VISIBLE))
+            return product(pairs.importance, (low - high) ** 2 >= VISIBLE)
         # The share of all phases at which 4 sin²(π slide) sin²(phase) is VISIBLE.
         sine, least = np.abs(np.sin(HALF * (share[0] - share[1]))), np.float32(np.sqrt(VISIBLE) / 2)
         some = np.flatnonzero(sine > least)
-        return float(pairs.importance[some] @ np.arccos(least / sine[some])) / (np.pi / 2)
+        return product(pairs.importance[some], np.arccos(least / sine[some])) / (np.pi / 2)
 
     def shares(self, pairs: Pairs) -> tuple[Singles, Singles]:
         """(2, P) how far each place lies on the way from the sample before to the next, and 1 by the mm between these.
