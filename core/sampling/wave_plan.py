@@ -222,7 +222,7 @@ def _solved(
     fewest, most = grid.bounds(settings.wavelength, MARGIN)
     least, most = np.stack([fewest, -SLIDE * grid.span]), np.stack([most, SLIDE * grid.span])
     level, level_step = first.level, 1 / share / len(usual)
-    goal, many = product(mean, usual), 0.0
+    goal = product(mean, usual)
     mean, step, keep, dual_step, bound, least, most = map(_single, (mean, step, keep, dual_step, bound, least, most))
     old = _single(np.stack([first.waves, first.slide, first.price * curl.whole, usual]))
     old[:2] = np.minimum(np.maximum(old[:2], least), most)
