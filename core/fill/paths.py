@@ -52,46 +52,60 @@ class Hatching:
     width_mm: FloatArray
 
 
-def fill_areas(
-    islands: Shapes, straight: Shapes, island_layer: IntArray, solid: Shapes, whole: BoolArray, settings: PrintSettings
+def wall_areas(
+    islands: Shapes, straight: Shapes, island_layer: IntArray, settings: PrintSettings
 ) -> tuple[Shapes, ...]:
-    """Divide each island into walls, gaps, skins and sparse fill; no island depends on another.
+    """Divide each island into walls, gaps and what is to be filled; no island depends on another.
 
     Args:
         islands: (I,) valid Polygon or MultiPolygon, maybe empty, simplified: what lies inside the innermost center line
             of the waved wall of each connected region.
         straight: (I,) where the outer wall has no wave beside others that do, see `outer_wall.straight_parts`.
         island_layer: (I,) int64.
-        solid: (I,) where these are to be solid, see `Skins.regions`.
-        whole: (I,) bool, islands that are solid throughout.
-        settings: walls, skins and fill.
+        settings: walls and fill.
 
     Returns:
         (I,) each: the regions bounded by the walls' center lines, from the islands themselves in; the gaps between
-        each wall and the next, and inside the last; skins and sparse fill.
+        each wall and the next, and inside the last; what is to be filled.
     """
 
-    def chunk(
-        islands: Shapes, straight: Shapes, layer: IntArray, solid: Shapes, whole: BoolArray
-    ) -> tuple[Shapes, ...]:
+    def chunk(islands: Shapes, straight: Shapes, layer: IntArray) -> tuple[Shapes, ...]:
         width = line_widths(layer, settings)
         walls, fill, steps = walls_and_fill(islands, width, settings)
         narrow, fill = narrow_fill(fill, width, settings)
-        return (
-            *walls,
-            *gaps_between(walls, steps, straight, width, settings),
-            narrow,
-            *solid_and_sparse(fill, Skins(solid, whole), settings),
-        )
+        return *walls, *gaps_between(walls, steps, straight, width, settings), narrow, fill
 
-    return geos_in_threads(chunk, islands, straight, island_layer, solid, whole)
+    return geos_in_threads(chunk, islands, straight, island_layer)
 
 
-def fill_lines(areas: tuple[Shapes, ...], over_air: Bridges, island_layer: IntArray, settings: PrintSettings) -> Paths:
+def fill_areas(fill: Shapes, solid: Shapes, whole: BoolArray, settings: PrintSettings) -> tuple[Shapes, ...]:
+    """Divide what is to be filled of each island into skins and sparse fill, (I,) each; no island depends on another.
+
+    Args:
+        fill: (I,) as of `wall_areas`.
+        solid: (I,) where these are to be solid, see `Skins.regions`.
+        whole: (I,) bool, islands that are solid throughout.
+        settings: of the fill.
+    """
+
+    def chunk(fill: Shapes, solid: Shapes, whole: BoolArray) -> tuple[Shapes, ...]:
+        return solid_and_sparse(fill, Skins(solid, whole), settings)
+
+    return geos_in_threads(chunk, fill, solid, whole)
+
+
+def fill_lines(
+    walls: tuple[Shapes, ...],
+    fill: tuple[Shapes, ...],
+    over_air: Bridges,
+    island_layer: IntArray,
+    settings: PrintSettings,
+) -> Paths:
     """The lines that fill areas.
 
     Args:
-        areas: (I,) each, as of `fill_areas`.
+        walls: (I,) each, as of `wall_areas`.
+        fill: (I,) each, as of `fill_areas`.
         over_air: the bridges among the skins.
         island_layer: (I,) int64.
         settings: walls, skins and fill.
@@ -101,12 +115,12 @@ def fill_lines(areas: tuple[Shapes, ...], over_air: Bridges, island_layer: IntAr
         and INFILL lines. Islands are numbered by their place in `island_layer`.
     """
     width = line_widths(island_layer, settings)
-    *bounded, solid, sparse = areas
-    walls, narrow = bounded[: len(bounded) // 2], bounded[len(bounded) // 2 :]
+    solid, sparse = fill
+    bounded, narrow = walls[: len(walls) // 2], list(walls[len(walls) // 2 : -1])
     with ThreadPoolExecutor(1) as beside:  # GEOS triangulates the gaps while numpy hatches
         along_gaps = beside.submit(gap_paths, narrow, margins(settings), island_layer, width)
         lines = _hatched(solid, sparse, over_air, island_layer, settings)
-    return Paths.joined([wall_paths(walls[1:], island_layer, width), along_gaps.result(), *lines])
+    return Paths.joined([wall_paths(list(bounded[1:]), island_layer, width), along_gaps.result(), *lines])
 
 
 def _hatched(

@@ -15,7 +15,7 @@ import shapely
 from ..calibration.calibrate import ToneCurve
 from ..contours.contours import Contours
 from ..fill.bridges import Bridges
-from ..fill.paths import fill_areas, fill_lines
+from ..fill.paths import fill_lines
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..paths import Paths
 from ..pattern.strand_edges import widened
@@ -114,34 +114,43 @@ def inside_lines(
     return inside_of_wall(outlines, lines, depth, set_back, polygons, tolerance)
 
 
-def areas_anew(
-    former: Areas,
-    fresh: BoolArray,
-    inside: Shapes,
-    straight: Shapes,
-    island_layer: IntArray,
-    solid: Shapes,
-    whole: BoolArray,
-    settings: PrintSettings,
-) -> Areas:
-    """As `fill_areas`."""
-    own = np.flatnonzero(fresh[island_layer])
-    found = fill_areas(inside[own], straight[own], island_layer[own], solid[own], whole[own], settings)
-    areas = tuple(column.copy() for column in former)
-    for column, part in zip(areas, found, strict=True):
-        column[own] = part
-    return areas
+def by_islands(whole: Callable[..., Areas], island_layer: IntArray) -> Callable[..., Areas]:
+    """Another function that makes some layers anew of what this one makes island by island.
+
+    Args:
+        whole: gives columns (I,) of the islands. Of the columns among its arguments it is handed the rows of the
+            islands in question; all else as it is.
+        island_layer: (I,) layer of each island.
+    """
+
+    def anew(former: Areas, fresh: BoolArray, *arguments: Any) -> Areas:
+        own = np.flatnonzero(fresh[island_layer])
+        found = whole(*(given[own] if isinstance(given, np.ndarray) else given for given in arguments))
+        areas = tuple(column.copy() for column in former)
+        for column, part in zip(areas, found, strict=True):
+            column[own] = part
+        return areas
+
+    return anew
 
 
 def filled_anew(
-    former: Paths, fresh: BoolArray, areas: Areas, over_air: Bridges, island_layer: IntArray, settings: PrintSettings
+    former: Paths,
+    fresh: BoolArray,
+    walls: Areas,
+    fill: Areas,
+    over_air: Bridges,
+    island_layer: IntArray,
+    settings: PrintSettings,
 ) -> Paths:
     """As `fill_lines`."""
     own = fresh[island_layer]
-    some = tuple(np.where(own, column, shapely.Polygon()) for column in areas)
+    walls, fill = (tuple(np.where(own, column, shapely.Polygon()) for column in areas) for areas in (walls, fill))
     held = own[over_air.island]
     bridges = Bridges(over_air.regions[held], over_air.island[held], over_air.angle_deg[held])
-    return Paths.joined([former.selected(~fresh[former.layer]), fill_lines(some, bridges, island_layer, settings)])
+    return Paths.joined(
+        [former.selected(~fresh[former.layer]), fill_lines(walls, fill, bridges, island_layer, settings)]
+    )
 
 
 def _places(lines: Contours, first: int, last: int) -> tuple[slice, slice]:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from shapely import Geometry, get_parts
 
 from ..contours.contours import Contours
-from ..fill.paths import fill_areas, fill_lines
+from ..fill.paths import fill_areas, fill_lines, wall_areas
 from ..paths import Paths
 from ..printability.slopes import slope_report
 from ..printability.thin_features import ThinFeatures, thin_features
@@ -27,7 +27,7 @@ from ..toolpaths.overhangs import Below, undersides
 from ..toolpaths.raft import raised
 from ..toolpaths.surroundings import ground, shadow, surrounding_paths
 from ..toolpaths.travels import Rooms, rooms
-from .anew import areas_anew, filled_anew, inside_lines
+from .anew import by_islands, filled_anew, inside_lines
 from .stages import Stages
 from .toolpaths import Surrounded, toolpaths, toolpaths_anew
 from .wall_stages import PaintedWall
@@ -83,10 +83,13 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     waves, count = bool(wall.depth.any()), len(island_layer)
     inside = along("inside", inside_lines, of_wall, waves, count, FILL_TOLERANCE)
     straight = along("straight parts", straight_parts, of_wall[1:], count, settings)
+    walls = layered(
+        "inner walls", wall_areas, by_islands(wall_areas, island_layer), (inside, straight, island_layer), settings
+    )
     known = wall.closing.result()
     skins = known.skins.regions, known.skins.whole
-    areas = layered("areas", fill_areas, areas_anew, (inside, straight), island_layer, *skins, settings)
-    fill = layered("fill", fill_lines, filled_anew, (areas,), known.bridges, island_layer, settings)
+    areas = layered("areas", fill_areas, by_islands(fill_areas, island_layer), (walls[-1],), *skins, settings)
+    fill = layered("fill", fill_lines, filled_anew, (walls, areas), known.bridges, island_layer, settings)
     within = rooms(inside, island_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
     inner = Paths.joined([fill, holding.paths])

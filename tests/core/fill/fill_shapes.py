@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 from dualcolor.core.fill.closing import closed, covering
-from dualcolor.core.fill.paths import fill_areas, fill_lines
+from dualcolor.core.fill.paths import fill_areas, fill_lines, wall_areas
 from dualcolor.core.fill.walls import simplified, walls_and_fill
 from dualcolor.core.model import IntArray, Shapes
 from dualcolor.core.paths import Paths
@@ -85,5 +85,6 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
     _, inside, _ = walls_and_fill(islands, line_widths(island_layer, settings), settings)
     known = closed(inside, island_layer, covering(sliced), settings)
     straight = np.full(len(islands), shapely.MultiLineString(), dtype=object)
-    areas = fill_areas(islands, straight, island_layer, known.skins.regions, known.skins.whole, settings)
-    return fill_lines(areas, known.bridges, island_layer, settings)
+    walls = wall_areas(islands, straight, island_layer, settings)
+    areas = fill_areas(walls[-1], known.skins.regions, known.skins.whole, settings)
+    return fill_lines(walls, areas, known.bridges, island_layer, settings)

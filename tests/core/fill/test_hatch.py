@@ -6,7 +6,7 @@ import shapely
 from dualcolor.core.fill.bridges import bridged
 from dualcolor.core.fill.closing import closed, covering
 from dualcolor.core.fill.hatch import crossings, spans
-from dualcolor.core.fill.paths import fill_areas, fill_lines, hatch_paths, planned
+from dualcolor.core.fill.paths import fill_areas, fill_lines, hatch_paths, planned, wall_areas
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
@@ -109,12 +109,11 @@ def test_random_regions_are_filled_once_and_never_left(pattern, monkeypatch):
     sliced = shapes([shapely.unary_union(list(islands[layer == k])) for k in range(12)])
     inside = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1]
     known = closed(inside, layer, covering(sliced), plan)
-    areas = fill_areas(
-        islands, np.full(len(islands), shapely.MultiLineString()), layer, known.skins.regions, known.skins.whole, plan
-    )
-    paths = fill_lines(areas, known.bridges, layer, plan)
+    walls = wall_areas(islands, np.full(len(islands), shapely.MultiLineString()), layer, plan)
+    areas = fill_areas(walls[-1], known.skins.regions, known.skins.whole, plan)
+    paths = fill_lines(walls, areas, known.bridges, layer, plan)
     table_is_sound(paths)
-    solid, sparse = areas[-2:]
+    solid, sparse = areas
     assert shapely.area(shapely.intersection(solid, sparse)).max() < 1e-6
     _, solid, sparse = bridged(known.bridges, solid, sparse)
     scanned, printed = 0, 0
