@@ -19,21 +19,21 @@ _COVER_MM = 0.05  # outlines differ by this from the true ones, to see what cove
 
 @dataclass(frozen=True)
 class Closing:
-    """Skins and bridges of I islands, found before it is known how much room the outer wall leaves them.
+    """Skins of I islands, found before it is known how much room the outer wall leaves them.
 
     Attributes:
+        inside: (I,) the region to fill, or somewhat more.
         outlines: (L,) cross-section of each layer, simplified, see `covering`.
         skins: where fill is to be solid.
-        bridges: which of it spans air.
     """
 
+    inside: Shapes
     outlines: Shapes
     skins: Skins
-    bridges: Bridges
 
 
 def closing(polygons: Shapes, polygon_layer: IntArray, layers: int, settings: PrintSettings) -> Closing:
-    """Skins and bridges behind an outer wall that no tone sets back.
+    """Skins behind an outer wall that no tone sets back.
 
     That is the most there can be to fill: the wall as it is printed leaves less, apart from slivers at bends and at
     waves that fade.
@@ -48,13 +48,13 @@ def closing(polygons: Shapes, polygon_layer: IntArray, layers: int, settings: Pr
     width = line_widths(polygon_layer, settings)
     walls = (settings.perimeters + 1 - settings.infill_overlap / 100.0) * width
     inside = offset_outlines(simple, -(walls + _least_reach(polygon_layer, settings)))
-    return closed(inside, polygon_layer, _layers_of(simple, polygon_layer, layers), settings)
+    outlines = _layers_of(simple, polygon_layer, layers)
+    return Closing(inside, outlines, skins(inside, polygon_layer, outlines, settings))
 
 
-def closed(inside: Shapes, island_layer: IntArray, outlines: Shapes, settings: PrintSettings) -> Closing:
-    """Skins and bridges of islands whose region to fill, or nearly that, is known; arguments as of `skins`."""
-    found = skins(inside, island_layer, outlines, settings)
-    return Closing(outlines, found, bridges(inside, found, outlines, island_layer, settings))
+def bridges_in(found: Closing, island_layer: IntArray, settings: PrintSettings) -> Bridges:
+    """Which skins span air."""
+    return bridges(found.inside, found.skins, found.outlines, island_layer, settings)
 
 
 def covering(sliced: Shapes) -> Shapes:

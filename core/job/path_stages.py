@@ -70,7 +70,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     run, layered, along, aside = stages.run, stages.run_layers, stages.run_along_lines, stages.aside
     cut, lines = wall.cut, wall.lines
     yield stages.begin(0.6, "supports")
-    spanned = wall.closing.result().bridges if settings.support_enable and settings.dont_support_bridges else None
+    spanned = wall.bridges.result() if settings.support_enable and settings.dont_support_bridges else None
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings, spanned)
     outer = outer_wall_paths(wall.outlines)
     shade = aside("shadow", _shadow, lines, holding, settings)
@@ -89,7 +89,7 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     known = wall.closing.result()
     skins = known.skins.regions, known.skins.whole
     areas = layered("areas", fill_areas, by_islands(fill_areas, island_layer), (walls[-1],), *skins, settings)
-    fill = layered("fill", fill_lines, filled_anew, (walls, areas), known.bridges, island_layer, settings)
+    fill = layered("fill", fill_lines, filled_anew, (walls, areas), wall.bridges.result(), island_layer, settings)
     within = rooms(inside, island_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
     inner = Paths.joined([fill, holding.paths])

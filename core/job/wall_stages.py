@@ -13,7 +13,8 @@ import numpy as np
 from ..calibration.calibrate import tone_curve
 from ..contours.contours import Contours, average_along_wall, contours, reach_of
 from ..contours.slant import slant_along
-from ..fill.closing import Closing, closing
+from ..fill.bridges import Bridges
+from ..fill.closing import Closing, bridges_in, closing
 from ..mesh.triangles import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, ToneImage, TriangleMesh
 from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
@@ -57,7 +58,8 @@ class PaintedWall:
         notes: warnings of the calibration.
         errors: of the seams, worked out beside the stages.
         paint: on the faces, worked out beside the stages.
-        closing: skins and bridges of the fill, worked out beside the stages.
+        closing: skins of the fill, worked out beside the stages.
+        bridges: among these, worked out beside the stages.
     """
 
     mesh: TriangleMesh
@@ -75,6 +77,7 @@ class PaintedWall:
     errors: Future[SeamErrors]
     paint: Future[FaceContrast]
     closing: Future[Closing]
+    bridges: Future[Bridges]
 
 
 def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PaintedWall]:
@@ -91,6 +94,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     cut = run("slicing", slices, mesh, settings)
     layers = len(cut.layers)
     closes = aside("closing", closing, cut.polygons, cut.polygon_layer, layers, settings)
+    spanned = aside("bridges", bridges_in, closes, cut.polygon_layer, settings)
     yield stages.begin(0.2, "contours")
     lines = run("contours", contours, cut.outlines, cut.loop_polygon, settings, reach_of(settings))
     yield stages.begin(0.3, "sampling")
@@ -117,7 +121,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     outlines = along("wave", waved, of_wave, settings, swapped)
     return PaintedWall(
         mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint,
-        closes,
+        closes, spanned,
     )  # fmt: skip
 
 

@@ -2,8 +2,10 @@
 
 import numpy as np
 import shapely
-from dualcolor.core.fill.closing import closed, covering
+from dualcolor.core.fill.bridges import bridges
+from dualcolor.core.fill.closing import covering
 from dualcolor.core.fill.paths import fill_areas, fill_lines, wall_areas
+from dualcolor.core.fill.skins import skins
 from dualcolor.core.fill.walls import simplified, walls_and_fill
 from dualcolor.core.model import IntArray, Shapes
 from dualcolor.core.paths import Paths
@@ -83,8 +85,10 @@ def fill_paths(sliced: Shapes, islands: Shapes, island_layer: IntArray, settings
     """
     islands = simplified(islands, 0.02)
     _, inside, _ = walls_and_fill(islands, line_widths(island_layer, settings), settings)
-    known = closed(inside, island_layer, covering(sliced), settings)
+    outlines = covering(sliced)
+    solid = skins(inside, island_layer, outlines, settings)
+    spanned = bridges(inside, solid, outlines, island_layer, settings)
     straight = np.full(len(islands), shapely.MultiLineString(), dtype=object)
     walls = wall_areas(islands, straight, island_layer, settings)
-    areas = fill_areas(walls[-1], known.skins.regions, known.skins.whole, settings)
-    return fill_lines(walls, areas, known.bridges, island_layer, settings)
+    areas = fill_areas(walls[-1], solid.regions, solid.whole, settings)
+    return fill_lines(walls, areas, spanned, island_layer, settings)

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.fill.bridges import bridged
-from dualcolor.core.fill.closing import closed
-from dualcolor.core.fill.skins import solid_and_sparse
+from dualcolor.core.fill.bridges import bridged, bridges
+from dualcolor.core.fill.skins import skins, solid_and_sparse
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
@@ -19,8 +18,9 @@ PLAN = PrintSettings()
 def found_in(layers, plan=PLAN):
     sliced, islands, layer = stack(layers)
     fill = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1]
-    known = closed(fill, layer, sliced, plan)
-    return *bridged(known.bridges, *solid_and_sparse(fill, known.skins, plan)), fill
+    solid = skins(fill, layer, sliced, plan)
+    spanned = bridges(fill, solid, sliced, layer, plan)
+    return *bridged(spanned, *solid_and_sparse(fill, solid, plan)), fill
 
 
 def beam(turned=0.0, length=40.0, gap=20.0):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.fill.bridges import bridged
-from dualcolor.core.fill.closing import closing, covering
+from dualcolor.core.fill.closing import bridges_in, closing, covering
 from dualcolor.core.fill.skins import solid_and_sparse, uncovered
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.settings import PrintSettings
@@ -64,7 +64,7 @@ def test_a_bridge_ends_where_the_fill_does(behind):
     pillars = shapely.get_parts(shapely.difference(whole, shapely.box(-10, -7, 10, 7)))
     polygons, layer = shapes([*pillars, *pillars, *pillars, whole, whole, whole]), np.array([0, 0, 1, 1, 2, 2, 3, 4, 5])
     found, solid, sparse, fill = filled(polygons, layer, behind, PrintSettings())
-    spanned, solid, sparse = bridged(found.bridges, solid, sparse)
+    spanned, solid, sparse = bridged(bridges_in(found, layer, PrintSettings()), solid, sparse)
     assert spanned.island.tolist() == [6]
     assert abs((spanned.angle_deg[0] + 90) % 180 - 90) < 1e-6
     west, south, east, north = spanned.regions[0].bounds

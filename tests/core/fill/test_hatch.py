@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.fill.bridges import bridged
-from dualcolor.core.fill.closing import closed, covering
+from dualcolor.core.fill.bridges import bridged, bridges
+from dualcolor.core.fill.closing import covering
 from dualcolor.core.fill.hatch import crossings, spans
 from dualcolor.core.fill.paths import fill_areas, fill_lines, hatch_paths, planned, wall_areas
+from dualcolor.core.fill.skins import skins
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
@@ -108,14 +109,15 @@ def test_random_regions_are_filled_once_and_never_left(pattern, monkeypatch):
     plan = PrintSettings(infill_density=30, infill_pattern=pattern, bottom_solid_layers=1, top_solid_layers=2)
     sliced = shapes([shapely.unary_union(list(islands[layer == k])) for k in range(12)])
     inside = walls_and_fill(islands, np.full(len(islands), WIDTH), plan)[1]
-    known = closed(inside, layer, covering(sliced), plan)
+    found = skins(inside, layer, covering(sliced), plan)
+    spanned = bridges(inside, found, covering(sliced), layer, plan)
     walls = wall_areas(islands, np.full(len(islands), shapely.MultiLineString()), layer, plan)
-    areas = fill_areas(walls[-1], known.skins.regions, known.skins.whole, plan)
-    paths = fill_lines(walls, areas, known.bridges, layer, plan)
+    areas = fill_areas(walls[-1], found.regions, found.whole, plan)
+    paths = fill_lines(walls, areas, spanned, layer, plan)
     table_is_sound(paths)
     solid, sparse = areas
     assert shapely.area(shapely.intersection(solid, sparse)).max() < 1e-6
-    _, solid, sparse = bridged(known.bridges, solid, sparse)
+    _, solid, sparse = bridged(spanned, solid, sparse)
     scanned, printed = 0, 0
     for feature, regions in ((Feature.SKIN, solid), (Feature.INFILL, sparse)):
         of_fill = paths.width[paths.start[:-1]] == WIDTH  # lines in gaps lie beside the regions

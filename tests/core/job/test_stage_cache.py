@@ -71,7 +71,7 @@ def counted(cache, monkeypatch):
             {"slicing", "contours", "sampling", "tone", "wave", "inside", "closing", "areas"},
             {"fill", "toolpaths"},
         ),
-        ({"infill_density": 0.0}, {"slicing", "contours", "inside"}, {"closing", "areas", "fill"}),
+        ({"infill_density": 0.0}, {"slicing", "contours", "closing"}, {"bridges", "areas", "fill"}),
         ({"infill_density": 100.0}, {"slicing", "contours", "inside"}, {"closing", "fill"}),
         ({"wavelength": 1.6}, {"slicing", "texture"}, {"contours", "sampling", "tone"}),
         ({"layer_height": 0.3}, set(), {"slicing", "contours", "fill", "texture"}),
