@@ -15,6 +15,7 @@ from .approach import approaches, fill_approaches
 from .layer_time import short_layers, slow_short_layers
 from .moves import Moves
 from .order import OrderedPaths
+from .raft import strand_heights
 from .speeds import chord_lengths, extrusion_speeds
 from .tool_turns import tool_of_paths
 from .travels import Rooms, travels
@@ -40,30 +41,33 @@ def assemble(
         single_color: print all layers with tool 0, for comparison.
     """
     tool = np.zeros_like(paths.layer) if single_color else tool_of_paths(paths.layer, paths.swapped, settings)
+    height = strand_heights(paths.layer, paths.feature, layers, settings)
     with ThreadPoolExecutor(1) as beside:  # GEOS, which looks at the travels, leaves it the interpreter
-        measured = beside.submit(_lengths_and_speeds, paths, layers, settings)
+        measured = beside.submit(_lengths_and_speeds, paths, height, settings)
         ways = travels(paths, within, settings)
     length, speed, short = measured.result()
     approach = approaches(paths, tool, length, ways, settings)
-    table, first_row = _extrusions(paths, tool, layers, approach.rows, length, speed, settings)
+    table, first_row = _extrusions(
+        paths, tool, (layers.top[paths.layer], height), approach.rows, length, speed, settings
+    )
     fill_approaches(table, paths, layers, first_row, approach, length, settings)
     slow_short_layers(table, short, settings)
     return table
 
 
 def _lengths_and_speeds(
-    paths: OrderedPaths, layers: Layers, settings: PrintSettings
+    paths: OrderedPaths, height: FloatArray, settings: PrintSettings
 ) -> tuple[FloatArray, FloatArray, IntArray]:
     """(N,) mm from each point to the next, (N,) mm/s there, and the layers that may take too little time."""
     length = chord_lengths(paths)
-    speed = extrusion_speeds(paths, layers, length, settings)
+    speed = extrusion_speeds(paths, height, length, settings)
     return length, speed, short_layers(paths, length, speed, settings)
 
 
 def _extrusions(
     paths: OrderedPaths,
     tool: IntArray,
-    layers: Layers,
+    upright: tuple[FloatArray, FloatArray],
     approach: IntArray,
     length: FloatArray,
     speed: FloatArray,
@@ -74,7 +78,7 @@ def _extrusions(
     Args:
         paths: K, in printing order.
         tool: (K,) that prints each.
-        layers: the stack.
+        upright: (K,) mm, where the nozzle prints each, and how high its lines are.
         approach: (K,) rows before each path's first extrusion; here they are travels to its first point.
         length: (N,) mm, from each point to the next.
         speed: (N,) mm/s, of the line that leaves each point.
@@ -86,11 +90,11 @@ def _extrusions(
     point = _arriving_at(paths, approach, first_row, before)
     table = Moves.blank(len(point))
     table.position[:, :2] = paths.points.take(point, axis=0)
-    table.position[:, 2], table.height[:] = (np.repeat(z[paths.layer], rows) for z in (layers.top, layers.height))
+    table.position[:, 2], table.height[:] = (np.repeat(z, rows) for z in upright)
     for number, of_path in ((table.tool, tool), (table.feature, paths.feature), (table.layer, paths.layer)):
         number[:] = np.repeat(of_path, rows)
     point -= 1  # the point that the line leaves
-    filament = _filament(paths, tool, layers, length, settings)
+    filament = _filament(paths, tool, upright[1], length, settings)
     for column, of_point in ((table.width, paths.width), (table.speed, speed), (table.filament, filament)):
         column[:] = of_point.take(point)
     table.feature[before], table.speed[before] = int(Feature.TRAVEL), settings.travel_speed
@@ -100,13 +104,13 @@ def _extrusions(
 
 
 def _filament(
-    paths: OrderedPaths, tool: IntArray, layers: Layers, length: FloatArray, settings: PrintSettings
+    paths: OrderedPaths, tool: IntArray, height: FloatArray, length: FloatArray, settings: PrintSettings
 ) -> FloatArray:
     """(N,) mm of filament that the line takes that leaves each point; arguments as in `_extrusions`."""
     diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
     factor = np.array(settings.extrusion_multipliers)[tool] / (np.pi / 4 * diameter**2)
     filament = length * paths.width
-    filament *= np.repeat(layers.height[paths.layer] * factor, np.diff(paths.start))
+    filament *= np.repeat(height * factor, np.diff(paths.start))
     return filament
 
 

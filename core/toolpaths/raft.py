@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from ..fill.paths import Hatching, hatch_paths
+from ..model import FloatArray, IntArray
 from ..paths import Feature, Paths
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
@@ -33,6 +34,24 @@ def raised(layers: Layers, settings: PrintSettings) -> Layers:
         np.concatenate([top, layers.top + top[-1] + settings.raft_gap]),
         np.concatenate([height, layers.height]),
     )
+
+
+def strand_heights(layer: IntArray, feature: IntArray, layers: Layers, settings: PrintSettings) -> FloatArray:
+    """(K,) mm, how high the lines of paths are: as high as their layer, and as the air on the raft where they close it.
+
+    The object is to come off the raft; tower and ooze shield stand on the bed and would break where there is air.
+
+    Args:
+        layer: (K,) of each path.
+        feature: (K,) of each.
+        layers: the stack, with the raft.
+        settings: raft_layers and raft_gap are used.
+    """
+    height = layers.height[layer]
+    if settings.raft_layers:
+        stands = np.isin(feature, (Feature.TOWER, Feature.OOZE_SHIELD)) & (layer == settings.raft_layers)
+        height = height + np.where(stands, settings.raft_gap, 0.0)
+    return np.asarray(height)
 
 
 def lifted(paths: Paths, settings: PrintSettings) -> Paths:

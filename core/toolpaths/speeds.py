@@ -28,7 +28,6 @@ from ..parallel import in_chunks
 from ..paths import Feature
 from ..ragged import summable
 from ..settings import PrintSettings
-from ..slicing.planes import Layers
 from .order import OrderedPaths
 
 _SHORTEST_MM = 1e-9
@@ -38,18 +37,20 @@ _STRAIGHT = 1e-30  # a turn, which sets no limit that matters
 _STEP_MM_S = 1.0
 
 
-def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, settings: PrintSettings) -> FloatArray:
+def extrusion_speeds(
+    paths: OrderedPaths, height: FloatArray, length: FloatArray, settings: PrintSettings
+) -> FloatArray:
     """(N,) mm/s of the line that leaves each point of N; without a meaning at the last point of a path.
 
     Args:
         paths: K paths in printing order.
-        layers: the stack.
+        height: (K,) mm, of their lines.
         length: (N,) mm from each point to the next, see `chord_lengths`.
         settings: the speeds and their limits and the greater one of the extrusion multipliers are used.
     """
     asked = feature_speeds(settings)[paths.feature]
     asked = np.where(paths.layer == 0, np.minimum(asked, settings.first_layer_speed), asked)
-    height = layers.height[paths.layer] * max(settings.extrusion_multipliers)
+    fed = height * max(settings.extrusion_multipliers)
     traveled = np.zeros(len(length) + 1)
     np.cumsum(length, out=traveled[1:])
     queue, seconds = settings.printer_profile.queue_moves, settings.min_move_time / 1000
@@ -64,7 +65,7 @@ def extrusion_speeds(paths: OrderedPaths, layers: Layers, length: FloatArray, se
         rate = move_time_limit(paths, traveled, chord[short], path[short], seconds, queue)
         limit[short] = np.minimum(limit[short], rate)
         if settings.max_volumetric_speed > 0:
-            section = paths.width[here] * height.take(path)
+            section = paths.width[here] * fed.take(path)
             much = np.flatnonzero(section * wanted > settings.max_volumetric_speed)
             limit[much] = np.minimum(limit[much], settings.max_volumetric_speed / section[much])
         slow = np.flatnonzero(limit < wanted)

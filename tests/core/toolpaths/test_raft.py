@@ -74,6 +74,24 @@ def test_the_object_stands_on_it_as_it_stood_on_the_bed(shield, tmp_path):
     assert convert(tmp_path / "raft.gcode") == []
 
 
+def test_what_stands_on_the_bed_goes_on_through_the_air_above_the_raft():
+    """Each line of the tower and the shield is as high as the nozzle has risen, or they break there."""
+    moves = generate(cylinder(radius=8, height=3), RAFTED.changed({"ooze_shield": True, "infill_speed": 300.0})).moves
+    laid = moves.extrudes
+    length = np.linalg.norm(np.diff(moves.position, axis=0, prepend=moves.position[:1]), axis=1)
+    section = moves.filament * np.pi / 4 * RAFTED.filament_diameter_0**2 / np.maximum(length, 1e-9)
+    for feature in (Feature.TOWER, Feature.OOZE_SHIELD):
+        rows = np.flatnonzero(laid & (moves.feature == feature))
+        levels, which = np.unique(moves.position[rows, 2], return_inverse=True)
+        rise = np.diff(levels, prepend=0.0)[which]
+        assert rise.max() == pytest.approx(RAFTED.first_layer_height + RAFTED.raft_gap)
+        assert moves.height[rows] == pytest.approx(rise)
+        assert section[rows] == pytest.approx(moves.width[rows] * rise)
+    assert (section * moves.speed)[laid].max() <= RAFTED.max_volumetric_speed * 1.001
+    wall = laid & np.isin(moves.feature, (Feature.OUTER_WALL, Feature.INNER_WALL))  # the object is to come off
+    assert moves.height[wall & (moves.layer == 3)] == pytest.approx(RAFTED.first_layer_height)
+
+
 def test_report_file_and_dump_count_layers_alike(tmp_path):
     settings = PrintSettings(raft_layers=3, tower_type="none")
     done = export_gcode(generate(cylinder(radius=8, height=2), settings), tmp_path / "can.gcode")

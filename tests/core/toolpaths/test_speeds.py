@@ -31,7 +31,7 @@ def wall(points, layer=1, feature=Feature.OUTER_WALL, width=0.4):
 
 
 def speeds(paths, settings):
-    return extrusion_speeds(paths, stack(), chord_lengths(paths), settings)
+    return extrusion_speeds(paths, stack().height[paths.layer], chord_lengths(paths), settings)
 
 
 def circle(radius, chords, turn=2 * np.pi):
