@@ -86,11 +86,11 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
         wall = yield from wall_stages(model, settings, stages)
         mesh, lines, samples = wall.mesh, wall.lines, wall.samples
         yield 0.6, "orientations"
-        paint = wall.paint.result()
+        paint = wall.beside.paint.result()
         ranked = suggested(mesh, paint, settings)
     yield 0.8, "seam errors"
     waves = settings.pattern != "offset"
-    errors = wall.errors.result() if waves else None
+    errors = wall.beside.errors.result() if waves else None
     traced = (
         tracelines(lines, samples, Projector(lines, settings.projection_threshold), settings.wavelength)
         if waves

@@ -11,8 +11,6 @@ from shapely import Geometry, get_parts
 from ..contours.contours import Contours
 from ..fill.paths import fill_areas, fill_lines, wall_areas
 from ..paths import Paths
-from ..printability.slopes import slope_report
-from ..printability.thin_features import ThinFeatures, thin_features
 from ..progress import Progress
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -23,7 +21,7 @@ from ..supports.paths import Supports, on_bed, supports
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths
 from ..toolpaths.outer_wall import outer_wall_paths, straight_parts
-from ..toolpaths.overhangs import Below, undersides
+from ..toolpaths.overhangs import Below
 from ..toolpaths.raft import raised
 from ..toolpaths.surroundings import ground, shadow, surrounding_paths
 from ..toolpaths.travels import Rooms, rooms
@@ -46,8 +44,6 @@ class PrintedPaths:
         beside: what no tone changes.
         moves: the print in order.
         ordered: its paths.
-        thin: features too thin for a wall, worked out beside the stages.
-        slopes: the report's part on them, worked out beside the stages.
         single_color: what is known of the same object in one color, worked out beside the stages.
     """
 
@@ -56,8 +52,6 @@ class PrintedPaths:
     beside: Surrounded
     moves: Moves
     ordered: OrderedPaths
-    thin: Future[ThinFeatures]
-    slopes: Future[dict[str, float]]
     single_color: Future[SingleColor]
 
 
@@ -70,13 +64,12 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     run, layered, along, aside = stages.run, stages.run_layers, stages.run_along_lines, stages.aside
     cut, lines = wall.cut, wall.lines
     yield stages.begin(0.6, "supports")
-    spanned = wall.bridges.result() if settings.support_enable and settings.dont_support_bridges else None
+    spanned = wall.beside.bridges.result() if settings.support_enable and settings.dont_support_bridges else None
     holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings, spanned)
     outer = outer_wall_paths(wall.outlines)
     shade = aside("shadow", _shadow, lines, holding, settings)
     last = int(max(paths.layer.max(initial=0) for paths in (outer, holding.paths)))
     around = aside("surroundings", _surroundings, shade, cut, holding, outer.first_layer, last, settings)
-    hanging = aside("undersides", undersides, wall.mesh, cut.layers.plane, settings)
     yield stages.begin(0.65, "fill")
     island_layer = cut.polygon_layer
     of_wall = (wall.outlines, lines, wall.depth, wall.set_back)
@@ -86,20 +79,20 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     walls = layered(
         "inner walls", wall_areas, by_islands(wall_areas, island_layer), (inside, straight, island_layer), settings
     )
-    known = wall.closing.result()
+    known = wall.beside.closing.result()
     skins = known.skins.regions, known.skins.whole
     areas = layered("areas", fill_areas, by_islands(fill_areas, island_layer), (walls[-1],), *skins, settings)
-    fill = layered("fill", fill_lines, filled_anew, (walls, areas), wall.bridges.result(), island_layer, settings)
+    fill = layered(
+        "fill", fill_lines, filled_anew, (walls, areas), wall.beside.bridges.result(), island_layer, settings
+    )
     within = rooms(inside, island_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
     inner = Paths.joined([fill, holding.paths])
-    below = Below(hanging.result(), known.outlines)
+    below = Below(wall.beside.undersides.result(), known.outlines)
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
-    thin = aside("thin features", thin_features, cut, lines, settings)
-    slopes = aside("slope report", slope_report, wall.paint)
     beside = Surrounded(holding.paths, around.result(), cut.layers, below)
     printed = layered("toolpaths", toolpaths, toolpaths_anew, (outer, fill, within), beside, settings)
-    return PrintedPaths(fill, within, beside, printed.moves, printed.paths, thin, slopes, alone)
+    return PrintedPaths(fill, within, beside, printed.moves, printed.paths, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:

@@ -19,7 +19,8 @@ from ..mesh.triangles import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, ToneImage, TriangleMesh
 from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
 from ..pattern.wave import WavedOutlines, waved
-from ..printability.slopes import FaceContrast, face_contrast
+from ..printability.slopes import FaceContrast, face_contrast, slope_report
+from ..printability.thin_features import ThinFeatures, thin_features
 from ..progress import Progress
 from ..records import dataclass
 from ..sampling.optimized import optimized_samples
@@ -32,11 +33,35 @@ from ..slicing.slices import Slices, slices
 from ..texture.charts import uv_charts
 from ..texture.island_levels import island_levels
 from ..texture.pyramid import TexturePyramids, build_pyramids, sizes_of
+from ..toolpaths.overhangs import Undersides, undersides
 from .anew import painted_tone, print_tones, set_back_lines
 from .repainted import other_layers, repainted_layers
 from .stages import Stages
 
 _NO_PICTURE = ToneImage(np.zeros((0, 0), dtype=np.float32), np.zeros((0, 0), dtype=np.float32))
+
+
+@dataclass(frozen=True)
+class WorkBeside:
+    """Results that the second thread works out while the stages go on.
+
+    Attributes:
+        closing: skins of the fill.
+        bridges: among these.
+        errors: of the seams.
+        paint: on the faces.
+        slopes: the report's part on them.
+        undersides: of the mesh.
+        thin: features too thin for a wall.
+    """
+
+    closing: Future[Closing]
+    bridges: Future[Bridges]
+    errors: Future[SeamErrors]
+    paint: Future[FaceContrast]
+    slopes: Future[dict[str, float]]
+    undersides: Future[Undersides | None]
+    thin: Future[ThinFeatures]
 
 
 @dataclass(frozen=True)
@@ -56,10 +81,7 @@ class PaintedWall:
         outlines: as printed.
         solid: the report's part on solid regions.
         notes: warnings of the calibration.
-        errors: of the seams, worked out beside the stages.
-        paint: on the faces, worked out beside the stages.
-        closing: skins of the fill, worked out beside the stages.
-        bridges: among these, worked out beside the stages.
+        beside: what no stage up to here has waited for.
     """
 
     mesh: TriangleMesh
@@ -74,10 +96,7 @@ class PaintedWall:
     outlines: WavedOutlines
     solid: dict[str, Any]
     notes: list[str]
-    errors: Future[SeamErrors]
-    paint: Future[FaceContrast]
-    closing: Future[Closing]
-    bridges: Future[Bridges]
+    beside: WorkBeside
 
 
 def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PaintedWall]:
@@ -106,6 +125,10 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     yield stages.begin(0.4, "texture")
     errors = aside("seam errors", seam_errors, lines, samples, projector)
     paint = aside("slopes", face_contrast, mesh, painting, settings)
+    slopes = aside("slope report", slope_report, paint)
+    hanging = aside("undersides", undersides, mesh, cut.layers.plane, settings)
+    thin = aside("thin features", thin_features, cut, lines, settings)
+    beside = WorkBeside(closes, spanned, errors, paint, slopes, hanging, thin)
     yield stages.begin(0.45, "tone")
     tone = _tone(lines, samples, layers, mesh, model, painting, settings, stages) if early is None else early
     del painting  # as large as the moves that are to come
@@ -120,8 +143,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     of_wave = (lines, samples, tone, depth, set_back)
     outlines = along("wave", waved, of_wave, settings, swapped)
     return PaintedWall(
-        mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, errors, paint,
-        closes, spanned,
+        mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, beside,
     )  # fmt: skip
 
 
