@@ -18,24 +18,16 @@ from .fan import fan_off
 FILAMENT_AXIS = "E"
 
 
-def marlin_start(
-    commands: MarlinCommands, settings: PrintSettings, hot: dict[int, float], retracted: tuple[float, float]
-) -> list[str]:
-    """The profile's start, then each tool pulled back as far as the print expects it; the last one starts the print.
+def marlin_start(commands: MarlinCommands, settings: PrintSettings, hot: dict[int, float]) -> list[str]:
+    """The profile's start, before the nozzles are primed.
 
     Args:
         commands: of the printer.
         settings: of the print.
-        hot: °C of the tools that the print uses.
-        retracted: mm of filament that each tool is left pulled back.
+        hot: °C of the tools that the print uses; the last one starts the print.
     """
     *_, first = hot
-    lines = _filled(commands.start, settings, 0, first, hot)
-    for tool in hot:
-        lines += marlin_tool_change(commands, tool)
-        if retracted[tool] > 0:
-            lines.append(f"G1 {FILAMENT_AXIS}{-retracted[tool]:.5f} F{settings.retract_speed * 60:.0f}")
-    return lines
+    return _filled(commands.start, settings, 0, first, hot)
 
 
 def marlin_tool_change(commands: MarlinCommands, tool: int) -> list[str]:

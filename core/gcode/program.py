@@ -18,6 +18,7 @@ from ..settings.printer import PrinterProfile
 from ..settings.temperatures import starting_temperatures
 from ..toolpaths.move_times import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Moves
+from .comments import feature_comments, layer_comments
 from .fan import fan_commands
 from .marlin import fed_by_each
 from .numbers import BACKWARDS_LIMIT, COORDINATE_LIMIT, FEEDRATE_LIMIT, FILAMENT_LIMIT
@@ -33,8 +34,6 @@ WIDTH_STEP = 0.002
 
 PROGRESS = b"\1\n"
 """A line, at each layer, that stands for its progress until the times are known; no other line has this sign."""
-
-_FEATURE_COMMENTS = [f"; {feature.name.lower().replace('_', ' ')}\n".encode("ascii") for feature in Feature]
 
 
 @dataclass(frozen=True)
@@ -267,15 +266,17 @@ def _insertions(
     others = layer_starts | tool_starts
     others[list(heating[0])] = True
     rows = np.flatnonzero(others | feature_starts)
-    insertions = [_FEATURE_COMMENTS[number] for number in moves.feature[rows].tolist()]
+    kinds = feature_comments(printer)
+    insertions = [kinds[number] for number in moves.feature[rows].tolist()]
     of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts)
     place = np.flatnonzero(others[rows])
-    columns = (place, rows[place], *(column[rows[place]] for column in of_rows))
-    for number, row, *values in zip(*(column.tolist() for column in columns), strict=True):
+    top = moves.position[np.append(strands, -1)[np.searchsorted(strands, rows[place])], 2]
+    columns = (place, rows[place], top, *(column[rows[place]] for column in of_rows))
+    for number, row, height, *values in zip(*(column.tolist() for column in columns), strict=True):
         new_layer, layer, new_tool, tool, new_feature = values
         lines = list(heating[0].get(row, []))
         if new_layer:
-            lines += [f"; layer {layer}", PROGRESS[:-1].decode()]
+            lines += [*layer_comments(layer, height, printer), PROGRESS[:-1].decode()]
         lines += tool_change_lines(tool, printer) if new_tool else []
         lines += heating[1].get(row, [])
         insertions[number] = joined(lines) + insertions[number] * new_feature

@@ -14,13 +14,14 @@ from ..settings import PrintSettings
 from ..settings.header_text import read_back
 from ..toolpaths.moves import Moves
 from ..toolpaths.recovered import UNKNOWN, recovered_moves
+from .comments import FEATURE_NAMES
 from .words import LETTERS, Words, read_words
 
 _STEPS = (0.001, 0.00001)  # mm, of positions and filament in the file
 _HINT = "export the print again"
 _WIDTH = re.compile(r"width \d{1,2}\.\d{1,6}")
 # Part of a comment in small letters → what the following lines are for. The names of our own features come first.
-_NAMES = {feature.name.lower().replace("_", " "): feature for feature in Feature if feature > Feature.RETRACT}
+_NAMES = {name: feature for feature, name in FEATURE_NAMES.items() if feature > Feature.RETRACT}
 _FOREIGN = {
     "external perimeter": Feature.OUTER_WALL,
     "wall-outer": Feature.OUTER_WALL,

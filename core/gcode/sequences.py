@@ -47,16 +47,14 @@ def start_sequence(
         retracted: mm of filament that each tool is left pulled back.
         front: mm, least Y of the print; the priming lines keep away from it.
     """
-    if marlin := settings.printer_profile.marlin:
-        lines = marlin_start(marlin, settings, hot, retracted)
-        return StartSequence(lines, (0.0, 0.0))
-    near, far = settings.printer_profile.prime_y
+    printer = settings.printer_profile
+    near, far = printer.prime_y
     priming_y = near if front >= near + CLEARANCE_MM else far
-    lines = _heat_and_home(settings, hot)
+    lines = marlin_start(printer.marlin, settings, hot) if printer.marlin else _heat_and_home(settings, hot)
     counters = [0.0, 0.0]
     for tool in hot:
         fed = _prime_amount(settings, tool)
-        lines += tool_change_lines(tool, settings.printer_profile)
+        lines += tool_change_lines(tool, printer)
         lines += _prime_lines(settings, tool, fed, retracted[tool], priming_y)
         counters[tool] = fed - retracted[tool]
     return StartSequence(lines, (counters[0], counters[1]))
@@ -134,11 +132,12 @@ def _prime_amount(settings: PrintSettings, tool: int) -> float:
 def _prime_lines(settings: PrintSettings, tool: int, fed: float, retracted: float, y: float) -> list[str]:
     printer = settings.printer_profile
     axis, travel, lift = printer.tool_axes[tool], f"F{printer.travel_mm_min}", f"F{printer.lift_mm_min}"
-    start_x, end_x = (PRIME_SIDE[tool] * x for x in printer.prime_x)
+    (middle_x, middle_y), before = (printer.marlin.origin, 0.0) if printer.marlin else ((0.0, 0.0), fed)
+    start_x, end_x = (middle_x + PRIME_SIDE[tool] * x for x in printer.prime_x)
     height = settings.first_layer_height
-    pull_back = [f"G1 {axis}{fed - retracted:.5f} F{settings.retract_speed * 60:.0f}"] if retracted > 0 else []
+    pull_back = [f"G1 {axis}{before - retracted:.5f} F{settings.retract_speed * 60:.0f}"] if retracted > 0 else []
     return [
-        f"G1 X{start_x:.3f} Y{y:.3f} {travel}",
+        f"G1 X{start_x:.3f} Y{middle_y + y:.3f} {travel}",
         f"G1 Z{height:.3f} {lift}",
         f"G1 X{end_x:.3f} {axis}{fed:.5f} F{min(settings.first_layer_speed, PRIME_SPEED_MM_S) * 60:.0f}",
         *pull_back,

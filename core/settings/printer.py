@@ -30,7 +30,7 @@ class MarlinCommands:
 
     Attributes:
         origin: mm, X and Y of the bed's center in the printer's own coordinates.
-        start: lines before the print; extrusion has to be relative after them (M83).
+        start: lines before the nozzles are primed; extrusion has to be relative after them (M83).
         tool_change: lines that switch to a tool.
         end: lines after the print.
     """

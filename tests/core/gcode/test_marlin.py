@@ -31,10 +31,13 @@ class Firmware:
     fan: dict = field(default_factory=lambda: {0: 0.0, 1: 0.0})
     blown: list = field(default_factory=list)
     switched_on: int = 0
+    printing: bool = False
+    primed: list = field(default_factory=list)
 
     def run(self, text):
         for line in text.splitlines():
             words = line.split(";")[0].split()
+            self.printing |= line.startswith("; layer ")
             if words:
                 self.obey(words[0], {word[0]: float(word[1:] or 0) for word in words[1:]})
         return self
@@ -64,7 +67,9 @@ class Firmware:
         if "E" in values:
             assert self.relative and self.target[self.tool] >= 170
             self.fed[self.tool] += values["E"]
-            if values["E"] > 0 and (begin[:2] != self.place[:2]).any():
+            if not self.printing:
+                self.primed.append((self.tool, *begin[:2], *self.place, values["E"]))
+            elif values["E"] > 0 and (begin[:2] != self.place[:2]).any():
                 self.laid.append((self.tool, *self.place, values["E"]))
                 self.blown.append(self.fan[self.tool])
 
@@ -83,6 +88,29 @@ def test_plastic_goes_where_the_moves_say():
         assert laid[mine, 4].sum() == pytest.approx(wanted, abs=2e-5)  # roundings of single moves do not add up
 
 
+def test_viewers_find_layers_and_features():
+    """PrusaSlicer's words, before the lines that they are about; in MakerBot's dialect, which it cannot read, none."""
+    settings = SETTINGS.changed({"raft_layers": 2, "ooze_shield": True, "z_hop": 1.0, "brim_width": 1.0})
+    moves = generate(box((0, 0, 0), (14, 14, 2)), settings).moves
+    kind, height, found = "", 0.0, []
+    place, laid = [0.0, 0.0, 0.0], moves.extrudes
+    for line in gcode_text(moves, settings, []).decode().split(";LAYER_CHANGE\n", 1)[1].splitlines():
+        kind = line[6:] if line.startswith(";TYPE:") else kind
+        height = float(line[3:]) if line.startswith(";Z:") else height
+        values = {word[0]: float(word[1:]) for word in line.split()[1:]} if line.startswith("G1 ") else {}
+        before = list(place)
+        place = [values.get(axis, old) for axis, old in zip("XYZ", place, strict=True)]
+        if values.get("E", 0) > 0 and place != before:
+            assert place[2] == height
+            found.append(kind)
+    assert len(found) == laid.sum()
+    pairs = set(zip(found, moves.feature[laid].tolist(), strict=True))
+    assert len(pairs) == len(np.unique(moves.feature[laid])) >= 8
+    assert {("External perimeter", Feature.OUTER_WALL), ("Perimeter", Feature.INNER_WALL)} <= pairs
+    assert {("Wipe tower", Feature.TOWER), ("Skirt/Brim", Feature.BRIM), ("Support material", Feature.RAFT)} <= pairs
+    assert b";TYPE" not in gcode_text(moves, PrintSettings(), [])
+
+
 def test_a_whole_print_heats_changes_tools_and_cools():
     result = generate(box((0, 0, 0), (12, 12, 3)), SETTINGS)
     text = gcode_text(result.moves, SETTINGS, []).decode()
@@ -92,6 +120,22 @@ def test_a_whole_print_heats_changes_tools_and_cools():
     assert not re.search(r"^(M13[2-7]|G16|.* [AB]-?\d)", text, re.MULTILINE)
     places = np.array(told.laid)[:, 1:3]
     assert places.min() > 0 and places.max() < 235
+
+
+@pytest.mark.parametrize("side", [12, 210])
+def test_both_nozzles_are_primed_beside_the_print_and_left_pulled_back(side):
+    settings = SETTINGS.changed({"skirts": 0, "tower_type": "none", "tower_distance": 1.0})
+    result = generate(box((0, 0, 0), (side, side, 1)), settings)
+    told = Firmware().run(gcode_text(result.moves, settings, []).decode())
+    (lines, pulls) = [[row for row in told.primed if (row[1:3] != row[3:5]) == moves] for moves in (True, False)]
+    assert [row[0] for row in lines] == [1, 0] and [row[0] for row in pulls] == [1, 0]
+    assert [row[-1] for row in pulls] == [-settings.retract_length_toolchange, -settings.retract_length]
+    front = np.array(told.laid)[:, 2].min()
+    for _, from_x, from_y, x, y, z, fed in lines:
+        assert from_y == y and 0 < y < front - 1  # in front of all that is printed
+        assert min(from_x, x) > 0 and max(from_x, x) < 235 and abs(x - from_x) > 50
+        assert z == settings.first_layer_height
+        assert fed * np.pi / 4 * 1.75**2 == pytest.approx(abs(x - from_x) * z * 1.0, rel=1e-3)  # 1 mm wide
 
 
 @pytest.mark.parametrize(("layers", "percent"), [(1, 50.0), (0, 100.0), (3, 20.0), (1000, 100.0)])
