@@ -27,7 +27,7 @@ from ..toolpaths.surroundings import ground, shadow, surrounding_paths
 from ..toolpaths.travels import Rooms, rooms
 from .anew import by_islands, filled_anew, inside_lines
 from .stages import Stages
-from .toolpaths import Surrounded, toolpaths, toolpaths_anew
+from .toolpaths import Surrounded, in_order, in_order_anew, moves_along, moves_along_anew
 from .wall_stages import PaintedWall
 
 # Outlines behind the wave may differ from the true ones by this much, mm.
@@ -87,18 +87,20 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     )
     within = rooms(inside, island_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
-    inner = Paths.joined([fill, holding.paths])
     below = Below(wall.beside.undersides.result(), known.outlines)
+    beside = Surrounded(holding.paths, around.result(), below)
+    paths = layered("order", in_order, in_order_anew, (outer, fill), beside, settings)
+    inner = Paths.joined([fill, holding.paths])
+    # Not before: two threads of many short numpy calls take longer together than one after the other.
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
-    beside = Surrounded(holding.paths, around.result(), cut.layers, below)
-    printed = layered("toolpaths", toolpaths, toolpaths_anew, (outer, fill, within), beside, settings)
-    return PrintedPaths(fill, within, beside, printed.moves, printed.paths, alone)
+    moves = layered("toolpaths", moves_along, moves_along_anew, (paths, within), cut.layers, settings)
+    return PrintedPaths(fill, within, beside, moves, paths, alone)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:
     """The print without tool changes within layers, every wall in its layer's color, to tell what they cost."""
     outer = outer_wall_paths(replace(wall.outlines, swapped=None))
-    return toolpaths(outer, paths.fill, paths.within, paths.beside, settings).moves
+    return moves_along(in_order(outer, paths.fill, paths.beside, settings), paths.within, wall.cut.layers, settings)
 
 
 def _shadow(lines: Contours, holding: Supports, settings: PrintSettings) -> Geometry:

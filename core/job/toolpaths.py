@@ -26,83 +26,79 @@ _LOCAL_SEAMS = ("rear", "nearest")  # those that ask for no seam of the layer be
 
 
 @dataclass(frozen=True)
-class Toolpaths:
-    """The print in order.
-
-    Attributes:
-        paths: as they are printed.
-        moves: with the ways between them.
-    """
-
-    paths: OrderedPaths
-    moves: Moves
-
-
-@dataclass(frozen=True)
 class Surrounded:
     """Inputs of the toolpaths that do not depend on any tone.
 
     Attributes:
         holding: supports.
         around: skirt or brim, tower, shield and raft.
-        layers: the object's stack.
         below: what carries the walls.
     """
 
     holding: Paths
     around: Paths
-    layers: Layers
     below: Below
 
 
-def toolpaths(wall: Paths, fill: Paths, within: Rooms, beside: Surrounded, settings: PrintSettings) -> Toolpaths:
-    """Order all paths and join them by moves.
+def in_order(wall: Paths, fill: Paths, beside: Surrounded, settings: PrintSettings) -> OrderedPaths:
+    """All paths as they are printed, with marks of overhangs.
 
     Args:
         wall: the outer wall.
         fill: all behind it.
-        within: where travels may go.
         beside: all else.
+        settings: of the print.
+    """
+    paths = Paths.joined([*(lifted(part, settings) for part in (wall, fill, beside.holding)), beside.around])
+    return with_overhangs(ordered(paths, settings), beside.below, settings)
+
+
+def in_order_anew(
+    former: OrderedPaths, fresh: BoolArray, wall: Paths, fill: Paths, beside: Surrounded, settings: PrintSettings
+) -> OrderedPaths | None:
+    """As `in_order`; see `anew.py`."""
+    if wall.swapped is not None or settings.seam_position not in _LOCAL_SEAMS or not _apart(former):
+        return None
+    on_raft = _with_raft(fresh, settings)
+    own = [paths.selected(fresh[paths.layer]) for paths in (wall, fill, beside.holding)]
+    around = beside.around.selected(on_raft[beside.around.layer])
+    kept, part = _marked(former, in_order(own[0], own[1], replace(beside, holding=own[2], around=around), settings))
+    return spliced(kept, part, on_raft)
+
+
+def moves_along(paths: OrderedPaths, within: Rooms, layers: Layers, settings: PrintSettings) -> Moves:
+    """The moves that print the paths.
+
+    Args:
+        paths: in printing order.
+        within: where travels may go.
+        layers: the object's stack.
         settings: of the print.
 
     Raises:
         PrintError: the print does not fit the printer.
     """
-    paths = _ordered([wall, fill, beside.holding], beside.around, beside, settings)
-    moves = assemble(paths, raised(beside.layers, settings), settings, within)
+    moves = assemble(paths, raised(layers, settings), settings, within)
     check(moves, settings)
-    return Toolpaths(paths, moves)
+    return moves
 
 
-def toolpaths_anew(
-    former: Toolpaths,
-    fresh: BoolArray,
-    wall: Paths,
-    fill: Paths,
-    within: Rooms,
-    beside: Surrounded,
-    settings: PrintSettings,
-) -> Toolpaths | None:
-    """As `toolpaths`, with the ways between the fresh layers and those beside them; see `anew.py`."""
-    stack = raised(beside.layers, settings)
-    if wall.swapped is not None or settings.seam_position not in _LOCAL_SEAMS or not _apart(former.paths):
-        return None
-    on_raft = np.append(np.zeros(settings.raft_layers, dtype=bool), fresh)
-    own = [paths.selected(fresh[paths.layer]) for paths in (wall, fill, beside.holding)]
-    part = _ordered(own, beside.around.selected(on_raft[beside.around.layer]), beside, settings)
-    kept, part = _marked(former.paths, part)
-    paths = spliced(kept, part, on_raft)
+def moves_along_anew(
+    former: Moves, fresh: BoolArray, paths: OrderedPaths, within: Rooms, layers: Layers, settings: PrintSettings
+) -> Moves:
+    """As `moves_along`; see `anew.py`."""
     # A layer's last moves lead to the next one, so that two more are needed to know those of one more. These are all
     # that its speeds depend on (`layer_time.py`).
+    on_raft = _with_raft(fresh, settings)
     near = widened(on_raft, 1)
-    made = assemble(some(paths, widened(on_raft, 2)), stack, settings, within)
+    made = assemble(some(paths, widened(on_raft, 2)), raised(layers, settings), settings, within)
     check(some(made, near), settings)
-    return Toolpaths(paths, spliced(former.moves, made, near))
+    return spliced(former, made, near)
 
 
-def _ordered(parts: list[Paths], around: Paths, beside: Surrounded, settings: PrintSettings) -> OrderedPaths:
-    paths = ordered(Paths.joined([*(lifted(part, settings) for part in parts), around]), settings)
-    return with_overhangs(paths, beside.below, settings)
+def _with_raft(layers: BoolArray, settings: PrintSettings) -> BoolArray:
+    """Marks of the object's layers, and of those of the raft below, which no tone changes."""
+    return np.append(np.zeros(settings.raft_layers, dtype=bool), layers)
 
 
 def _apart(paths: OrderedPaths) -> bool:
@@ -134,7 +130,7 @@ def summary_anew(
     former: tuple[Moves, FloatArray], fresh: BoolArray, moves: Moves, settings: PrintSettings
 ) -> tuple[Moves, FloatArray] | None:
     """As `summary`; see `anew.py`."""
-    near = widened(np.append(np.zeros(settings.raft_layers, dtype=bool), fresh), 1)
+    near = widened(_with_raft(fresh, settings), 1)
     bounds = np.searchsorted(moves.layer, np.array(runs(near)))
     inside = bounds[(bounds > 0) & (bounds < len(moves.layer))]
     if (moves.tool[inside] == moves.tool[inside - 1]).any():  # the printer does not stand still there
