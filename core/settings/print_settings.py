@@ -184,7 +184,7 @@ class PrintSettings(PatternSettings):
     filament_density: float = _filament(1.04, "Density of the filament; ABS is 1.04", "g/cm3", 0.5, 5.0)
     filament_cost: float = _filament(25.0, "Price of the filament, in any currency", "per kg", 0.0, 10000.0)
     nozzle_temperature_0: float = _filament(230.0, "Temperature of tool 0", "°C", 0.0, 280.0)
-    nozzle_temperature_1: float = _filament(230.0, "Temperature of tool 1", "°C", 0.0, 280.0)
+    nozzle_temperature_1: float = _filament(235.0, "Temperature of tool 1", "°C", 0.0, 280.0)
     first_layer_temperature_0: float = _filament(
         0.0, "Temperature of tool 0 in the print's first layer; 0 is that of the others", "°C", 0.0, 280.0
     )

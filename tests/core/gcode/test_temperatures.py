@@ -30,18 +30,18 @@ def test_without_them_the_temperatures_stay():
 def test_the_second_layer_begins_with_the_others_temperatures():
     start, body = heating(rosette(4, 9), **HOTTER)
     # The white nozzle prints nothing on the first layer.
-    assert start[0] == "M109 S115 T0" and start[3:5] == ["M104 S245 T0", "M104 S230 T1"]
+    assert start[0] == "M109 S115 T0" and start[3:5] == ["M104 S245 T0", "M104 S235 T1"]
     assert body[1:5] == ["; layer 1", "M135 T1", "M109 S110 T0", "M104 S230 T0"]
     assert not [line for line in body[5:] if line.startswith(("M104", "M109"))]
     swapped = rosette(4, 9)
     swapped.tool[:] = 1 - swapped.tool
     start, body = heating(swapped, **HOTTER)
-    assert start[3:5] == ["M104 S230 T0", "M104 S250 T1"] and body[3:5] == ["M109 S110 T0", "M104 S230 T1"]
+    assert start[3:5] == ["M104 S230 T0", "M104 S250 T1"] and body[3:5] == ["M109 S110 T0", "M104 S235 T1"]
 
 
 def test_marlin_gets_its_own_commands():
     start, body = heating(rosette(4, 9), **HOTTER | MARLIN)
-    assert {"M140 S100", "M190 S100", "M109 T0 S245", "M109 T1 S230"} <= set(start)
+    assert {"M140 S100", "M190 S100", "M109 T0 S245", "M109 T1 S235"} <= set(start)
     assert body[1:5] == ["; layer 1", "T1", "M140 S90", "M104 S230 T0"]
 
 
@@ -50,7 +50,7 @@ def test_a_layer_of_both_tools_changes_both():
     moves.layer[:] //= 2
     start, body = heating(moves, **HOTTER)
     assert start[3:5] == ["M104 S245 T0", "M104 S250 T1"]
-    assert body[body.index("; layer 1") :][1:5] == ["M135 T0", "M109 S110 T0", "M104 S230 T0", "M104 S230 T1"]
+    assert body[body.index("; layer 1") :][1:5] == ["M135 T0", "M109 S110 T0", "M104 S230 T0", "M104 S235 T1"]
 
 
 def test_a_single_layer_keeps_them():
@@ -72,4 +72,4 @@ def test_the_idle_nozzle_waits_below_the_temperature_of_its_next_layer():
 def test_the_printers_own_file_is_sound_and_the_start_takes_longer():
     moves, plain, hotter = rosette(6, 60), PrintSettings(), PrintSettings().changed(HOTTER)
     assert audit(read_x3g(x3g_bytes(moves, hotter)), hotter.printer_profile) == []
-    assert heating_seconds(moves, hotter) - heating_seconds(moves, plain) == pytest.approx(5 / 0.15 + 15 / 1.5)
+    assert heating_seconds(moves, hotter) - heating_seconds(moves, plain) == pytest.approx(5 / 0.15 + (245 - 235) / 1.5)

@@ -61,6 +61,12 @@ def test_qualities_and_later_presets_count():
         preset_values(["../filament/pla"])
 
 
+def test_the_defaults_are_black_and_white_abs_on_the_replicator_2x():
+    usual = PrintSettings()
+    chosen = {name for name, path in preset_files().items() if agrees(read_preset(path), usual.as_dict())}
+    assert chosen == {"replicator_2x", "abs_black", "abs_white", "standard", "set_back"}
+
+
 def test_the_paper_is_a_preset():
     paper = PrintSettings().changed(preset_values(["paper"]))
     assert (paper.pattern, paper.wave_depth_max, paper.wave_depth_min, paper.offset_max) == ("wave", 0.75, 0.375, 0)

@@ -61,10 +61,10 @@ def test_layers_begin_when_the_time_before_them_has_passed():
 def test_heating_waits_for_the_bed_then_for_the_nozzles():
     moves = rosette(2, 30)
     cold_bed = heating_seconds(moves, SETTINGS.changed({"bed_temperature": 0}))
-    assert cold_bed == pytest.approx((230 - 22) / 1.5)
-    assert heating_seconds(moves, SETTINGS) == pytest.approx((110 - 22) / 0.15 + (230 - 140) / 1.5)
+    assert cold_bed == pytest.approx((235 - 22) / 1.5)
+    assert heating_seconds(moves, SETTINGS) == pytest.approx((110 - 22) / 0.15 + (235 - 140) / 1.5)
     hotter = SETTINGS.changed({"nozzle_temperature_1": 260})
-    assert heating_seconds(moves, hotter) == pytest.approx(heating_seconds(moves, SETTINGS) + 30 / 1.5)
+    assert heating_seconds(moves, hotter) == pytest.approx(heating_seconds(moves, SETTINGS) + 25 / 1.5)
 
 
 def test_cost_and_shares():

@@ -71,7 +71,7 @@ def test_cold():
 
 def test_heaters():
     parts = pieces()
-    only(findings([part for part in parts if part != heater(1, 0)]), "tool 1 is still heated to 230 °C")
+    only(findings([part for part in parts if part != heater(1, 0)]), "tool 1 is still heated to 235 °C")
     only(findings([part for part in parts if part != heater(0, 0, 31)]), "the bed is still heated to 110 °C")
     only(findings([heater(1, 300), *parts]), "tool 1 is heated to 300 °C")
     only(findings([heater(0, 140, 31), *parts]), "the bed is heated to 140 °C")
