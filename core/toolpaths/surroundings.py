@@ -125,13 +125,14 @@ def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -
 
 
 def tower_where_free(obstacles: shapely.Geometry, layers: Layers, settings: PrintSettings) -> list[FloatArray]:
-    """The tower's loops where they stand; none without a tower.
+    """The tower's loops where they stand; none without a tower, or where the tools never change.
 
     Raises:
         MeshError: the bed has no room for it.
         SettingsError: it does not fit where the user wants it.
     """
-    if settings.tower_type == "none" or not len(layers):
+    changes = len(layers) - settings.raft_layers > 1 or settings.solid_regions == "tool_change"
+    if settings.tower_type == "none" or not len(layers) or not changes:
         return []
     loops = tower_loops(float(layers.top[-1]), settings)
     outermost = [*tower_brim(loops, settings), loops[-1]][0]

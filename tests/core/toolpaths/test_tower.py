@@ -159,6 +159,13 @@ def test_no_room_and_no_tower():
     assert not len(tower_paths([], 3, SETTINGS).layer)
 
 
+def test_no_tool_change_and_no_tower():
+    plate, raft = shapely.box(-20, -20, 20, 20), SETTINGS.changed({"raft_layers": 3})
+    assert tower_where_free(plate, stack(1), SETTINGS) == [] and tower_where_free(plate, stack(4), raft) == []
+    assert tower_where_free(plate, stack(2), SETTINGS) and tower_where_free(plate, stack(5), raft)
+    assert tower_where_free(plate, stack(1), SETTINGS.changed({"solid_regions": "tool_change"}))  # within the layer
+
+
 def test_placed_by_hand():
     chosen = SETTINGS.changed({"tower_placement": "manual", "tower_x": 50, "tower_y": -30, "tower_rotation": 90})
     (loop,) = tower_where_free(shapely.box(-20, -20, 20, 20), stack(100), chosen)
