@@ -89,11 +89,12 @@ def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margi
     return found
 
 
-def narrow_fill(fill: Shapes, width_mm: FloatArray, settings: PrintSettings) -> tuple[Shapes, Shapes]:
+def narrow_fill(fill: Shapes, straight: Shapes, width_mm: FloatArray, settings: PrintSettings) -> tuple[Shapes, Shapes]:
     """Split off the parts inside the last wall that take one line along their middle; hatching would overfill them.
 
     Args:
         fill: (I,) regions to fill, which reach into the wall by the overlap.
+        straight: (I,) as for `gaps_between`; it matters where that wall is the outer one.
         width_mm: (I,) of the lines.
         settings: tell whether anything is filled, and how far the regions reach.
 
@@ -121,6 +122,9 @@ def narrow_fill(fill: Shapes, width_mm: FloatArray, settings: PrintSettings) -> 
     gaps, of = shapely.get_parts(offset(parts[narrow], moved_by), return_index=True)
     some = ~shapely.is_empty(gaps)
     found[rows] = gathered(gaps[some], owner[narrow][of[some]], len(fill))[rows]
+    if not settings.perimeters:
+        found[rows] = shapely.buffer(found[rows], 0.0)  # parts that were grown may overlap
+        _keep_off(found, straight, width_mm)
     return found, left
 
 

@@ -72,7 +72,7 @@ def wall_areas(
     def chunk(islands: Shapes, straight: Shapes, layer: IntArray) -> tuple[Shapes, ...]:
         width = line_widths(layer, settings)
         walls, fill, steps = walls_and_fill(islands, width, settings)
-        narrow, fill = narrow_fill(fill, width, settings)
+        narrow, fill = narrow_fill(fill, straight, width, settings)
         return *walls, *gaps_between(walls, steps, straight, width, settings), narrow, fill
 
     return geos_in_threads(chunk, islands, straight, island_layer)

@@ -117,9 +117,10 @@ def test_lines_across_narrow_walls_overfill_them_by_their_overlap_at_most(thickn
 
 @pytest.mark.parametrize("thickness", [0.6, 0.8, 1.0, 1.1])
 @pytest.mark.parametrize("pattern", ["wave", "wave_offset"])
-def test_a_wall_too_thin_for_waves_takes_no_more_than_it_has_room(thickness, pattern):
+@pytest.mark.parametrize("perimeters", [0, 1])
+def test_a_wall_too_thin_for_waves_takes_no_more_than_it_has_room(thickness, pattern, perimeters):
     """Waves leave pockets that lines in the gaps behind them fill; where there is no wave there are none."""
-    waved = PrintSettings(pattern=pattern, background_tone=0.5, calibration="none")
+    waved = PrintSettings(pattern=pattern, background_tone=0.5, calibration="none", perimeters=perimeters)
     assert printed_share(thickness, waved) == pytest.approx(1.0, abs=0.06)
 
 
