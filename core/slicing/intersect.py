@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ..mesh.corners import complex_uv
 from ..model import FloatArray, IntArray, TriangleMesh
-from ..parallel import in_chunks
+from ..parallel import CHUNK_ROWS
 from ..ragged import starts
 from ..records import dataclass
-from .edges import faces_beyond
+from .edges import LEADS_UP, faces_beyond
 from .planes import levels
 
 _CODE_BITS, _AROUND_HIGHEST = 5, 2  # see `ends_of`
@@ -77,8 +77,8 @@ class Crossings:
         middle: (N,) int64, the lowest layer above its middle corner.
         high: (N,) int64, the lowest layer above all of it.
         edge: (N,) int64, the edge on which cuts around the lowest corner start, see `ends_of`.
-        beyond: (N, 2) int64, the faces in which the cuts around the lowest and around the highest corner continue, -1
-            for none.
+        beyond: (N, 2) int64, in which of the N faces the cuts around the lowest and around the highest corner continue,
+            -1 for none.
     """
 
     mesh: TriangleMesh
@@ -93,22 +93,24 @@ class Crossings:
         """The cuts by the layers from `low` to the one before `high`."""
         some = np.flatnonzero((self.low < high) & (self.high > low))
         first, middle, end = (np.clip(level[some], low, high) for level in (self.low, self.middle, self.high))
-        return Crossings(self.mesh, self.planes, first, middle, end, self.edge[some], self.beyond[some])
+        place = np.full(len(self.low) + 1, -1)  # the last one for none
+        place[some] = np.arange(len(some))
+        return Crossings(self.mesh, self.planes, first, middle, end, self.edge[some], place[self.beyond[some]])
 
     def segments(self) -> Segments:
         """The cuts, face by face, each from its lowest layer up."""
         # The cuts of a face stand in a row, so the one that goes on is found by the face beyond and the layer.
         count = self.high - self.low
-        begin = starts(count)[:-1] - self.low
-        base = np.zeros(len(self.mesh.faces) + 1, dtype=np.int64)
-        base[faces_of(self.edge)], base[-1] = begin, -1 - len(self.planes)
+        begin = starts(count)
+        begin[:-1] -= self.low
+        begin[-1] = -1 - len(self.planes)  # for none
         row = np.repeat(np.arange(len(count)), count)
         layer = np.arange(len(row))
         layer -= begin.take(row)
         tail, around_highest = self.edge.take(row), (layer >= self.middle.take(row)).astype(np.int64)
         row <<= 1
         row |= around_highest
-        successor = base.take(self.beyond, mode="wrap").take(row)
+        successor = begin.take(self.beyond, mode="wrap").take(row)
         successor += layer
         np.maximum(successor, -1, out=successor)
         around_highest *= _AROUND_HIGHEST
@@ -128,56 +130,68 @@ def crossings(mesh: TriangleMesh, planes: FloatArray) -> Crossings:
         planes: (L,) mm, increasing.
     """
     level = levels(mesh.vertices[:, 2].copy(), planes)
-    bits, slots = len(level).bit_length(), 2 * len(mesh.faces)
+    bits, count = len(level).bit_length(), len(mesh.faces)
     vertex = ((level << bits) | np.arange(len(level))) << 2
-    low, middle, high, edge, key, number = in_chunks(
-        lambda faces, face: _cuts(vertex, bits, slots, faces, face),
-        mesh.faces,
-        np.arange(len(mesh.faces)),
-        threads=False,
-    )
-    beyond, slot = faces_beyond(key, number, slots), faces_of(edge) << 1
+    # As long as they can get; what is not filled takes no memory.
+    table, edges = np.empty((4, count), dtype=np.int64), np.empty((2, 3 * count), dtype=np.int64)
+    cut = used = 0
+    for begin in range(0, count, CHUNK_ROWS):
+        faces, *of_edges = _cuts(vertex, bits, mesh.faces[begin : begin + CHUNK_ROWS], begin, cut)
+        cut = _filled(table, cut, faces)
+        for columns in of_edges:
+            used = _filled(edges, used, columns)
+    (low, middle, high, edge), (key, number) = table[:, :cut], edges[:, :used]
+    beyond, slot = faces_beyond(key, number, 2 * cut), 2 * np.arange(cut)
     pairs = np.stack([beyond.take(slot), beyond.take(slot + ((edge >> 2) & 1))], axis=1)
     return Crossings(mesh, planes, low, middle, high, edge, pairs)
 
 
-def _cuts(vertex: IntArray, bits: int, slots: int, faces: IntArray, face: IntArray) -> tuple[IntArray, ...]:
+def _filled(table: IntArray, begin: int, columns: tuple[IntArray, ...]) -> int:
+    """Put columns (n,) into the rows of a table from a place on; where they end."""
+    end = begin + len(columns[0])
+    for row, column in zip(table, columns, strict=True):
+        row[begin:end] = column
+    return end
+
+
+def _cuts(
+    vertex: IntArray, bits: int, faces: IntArray, first: int, cut_before: int
+) -> tuple[tuple[IntArray, ...], ...]:
     """Which planes cut some faces, and the edges of these that planes cut.
 
     Args:
         vertex: (V,) each vertex in one number: its level, then its index in `bits` bits, then two bits for the corner
             of a face, which are 0 here.
         bits: that hold any index.
-        slots: see `faces_beyond`.
-        faces: (N, 3) vertices.
-        face: (N,) number of each face.
+        faces: (n, 3) vertices.
+        first: number of the first face.
+        cut_before: how many faces before that are cut.
 
     Returns:
-        `low`, `middle`, `high` and `edge` of each face that is cut, as in `Crossings`, and keys and numbers of edges
-        as `faces_beyond` takes them.
+        `low`, `middle`, `high` and `edge` of each face that is cut, as in `Crossings`, and three times keys and numbers
+        of edges as `faces_beyond` takes them: from its lowest to its highest corner, below and above the middle one.
     """
     corners = vertex.take(faces)
     unlike = (corners[:, 0] ^ corners[:, 1]) | (corners[:, 1] ^ corners[:, 2])
     cut = np.flatnonzero(unlike >= 1 << (bits + 2))
-    face, corners = face.take(cut), corners.take(cut, axis=0)
+    corners = corners.take(cut, axis=0)
     # Three sorted by hand; an odd number of pairs in order makes the order a turned one, not a mirrored one.
     a, b, c = (corners[:, k] + k for k in range(3))
     rising = ((a < b) ^ (b < c) ^ (a < c)).astype(np.int64)
     lowest, highest = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     ordered = lowest, a ^ b ^ c ^ lowest ^ highest, highest
     low, middle, high = (column >> (bits + 2) for column in ordered)
-    edge = (((face << 2) | (ordered[0] & 3)) << 3) | (rising << 2)
+    edge = (((cut + first) << 2 | (ordered[0] & 3)) << 3) | (rising << 2)
 
     bottom, side, top = ((column >> 2) & ((1 << bits) - 1) for column in ordered)
     bottom <<= bits
-    across, lower, upper = bottom | top, bottom | side, (side << bits) | top
     # The edges next to the middle corner lead up where it comes after the lowest one, else the one across from it does.
-    leads_up = 1 << slots.bit_length()
-    number = 2 * face + leads_up * rising
+    number = 2 * np.arange(cut_before, cut_before + len(cut)) + LEADS_UP * rising
     below, above = np.flatnonzero(low < middle), np.flatnonzero(middle < high)
-    key = across, lower.take(below), upper.take(above)
-    numbers = number ^ leads_up, number.take(below), number.take(above) + 1
-    return low, middle, high, edge, np.concatenate(key), np.concatenate(numbers)
+    across = bottom | top, number ^ LEADS_UP
+    lower = (bottom | side).take(below), number.take(below)
+    upper = ((side << bits) | top).take(above), number.take(above) + 1
+    return (low, middle, high, edge), across, lower, upper
 
 
 def intersect(mesh: TriangleMesh, planes: FloatArray) -> Segments:

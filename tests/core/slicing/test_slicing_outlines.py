@@ -8,7 +8,7 @@ from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.ragged import starts
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.cycles import cycles
-from dualcolor.core.slicing.edges import faces_beyond
+from dualcolor.core.slicing.edges import LEADS_UP, faces_beyond
 from dualcolor.core.slicing.intersect import intersect
 from dualcolor.core.slicing.link import link
 from dualcolor.core.slicing.outlines import Outlines
@@ -126,19 +126,17 @@ def test_levels_are_those_that_a_search_finds_also_on_planes_and_beyond_them(spa
 
 
 @pytest.mark.parametrize("closed", [True, False])
-def test_edges_of_a_mesh_too_large_to_sort_with_its_numbers_are_paired_alike(closed):
-    """The k-th edge that leads up goes with the k-th of the same ends that leads down, whatever the keys' size."""
-    rng, slots = np.random.default_rng(5), 200
-    up = rng.permutation(slots)[:60]
-    key = rng.permutation(60) if closed else rng.integers(20, size=60)
-    down, down_key = rng.integers(slots, size=60), key if closed else rng.integers(20, size=60)
-    keys, numbers = np.append(key, down_key), np.append(up | 256, down)
-    beyond = faces_beyond(keys, numbers, slots)
-    assert np.array_equal(faces_beyond(keys << 50, numbers, slots), beyond)
+@pytest.mark.parametrize("edges", [0, 1, 60, 3000])
+def test_the_kth_edge_that_leads_up_goes_with_the_kth_of_the_same_ends_that_leads_down(edges, closed):
+    rng, slots = np.random.default_rng(5), 10000
+    up, ends = rng.permutation(slots)[:edges], max(edges // 3, 1)
+    key = rng.permutation(edges) if closed else rng.integers(ends, size=edges)
+    down, down_key = rng.integers(slots, size=edges), key if closed else rng.integers(ends, size=edges)
+    beyond = faces_beyond(np.append(key, down_key) << 40, np.append(up | LEADS_UP, down), slots)
     expected = np.full(slots, -1)
     for each in np.unique(key):
-        ends = zip(np.sort(up[key == each]), np.sort(down[down_key == each]) // 2, strict=False)
-        for number, face in ends:
+        pairs = zip(np.sort(up[key == each]), np.sort(down[down_key == each]) // 2, strict=False)
+        for number, face in pairs:
             expected[number] = face
     assert np.array_equal(beyond, expected)
 
