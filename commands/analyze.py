@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     outputs.add_argument("--views", type=views, default=(), metavar="VIEW,…", help="pictures F_VIEW.png of several "
                          f"sides instead of one: {', '.join(VIEWS)}")  # fmt: skip
     outputs.add_argument("--azimuth", type=angle, default=0.0, metavar="DEG", help="side of the model that is its "
-                         "front in the pictures: 0 is -Y, 90 is +X (default: 0)")  # fmt: skip
+                         "front in the pictures: 0 is -Y, 90 is +X, 180 is +Y (default: 0)")  # fmt: skip
     outputs.add_argument("--pixels", type=whole_number(100, 4000), default=900, metavar="N", help="longer side of "
                          "the pictures (default: 900)")  # fmt: skip
 

@@ -41,5 +41,8 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
         raise PrintError(f"{printer.name} does not read X3G", "choose another printer by --printer")
     commands = read_x3g(read_print_file(args.file))
     if findings := audit(commands, printer):
-        raise PrintError(f"{args.file.name} must not be printed", "; ".join(findings))
+        others = {name: printer_profile(name) for name in printer_names() if name != args.printer}
+        sound = [name for name, other in others.items() if not other.marlin and not audit(commands, other)]
+        advice = [f"it is sound for another printer: --printer {name}" for name in sound]
+        raise PrintError(f"{args.file.name} must not be printed by {args.printer}", "; ".join(advice or findings))
     return [f"{args.file.name}: {int(commands.moves.sum()):,} moves, no faults found for {args.printer}"]

@@ -31,8 +31,8 @@ def add_outputs(parser: argparse.ArgumentParser) -> None:
     """Let the user choose which files are written."""
     outputs = parser.add_argument_group("outputs")
     outputs.add_argument("--gcode", type=gcode_path, metavar="F.gcode", help="G-code for the printer")
-    outputs.add_argument("--x3g", type=path_ending_in(".x3g"), metavar="F.x3g", help="what the Replicator "
-                         "2X reads from its card")  # fmt: skip
+    outputs.add_argument("--x3g", type=path_ending_in(".x3g"), metavar="F.x3g", help="what a MakerBot "
+                         "Replicator reads from its card")  # fmt: skip
     outputs.add_argument("--blend", type=path_ending_in(".blend"), metavar="F.blend", help="Blender file with the "
                          "model and its strands")  # fmt: skip
     outputs.add_argument("--mesh", type=path_ending_in(".stl", ".obj"), metavar="F.stl|F.obj", help="mesh of the "

@@ -53,4 +53,5 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
         read = read_print(args.file)
         shown = build_preview(read)
         save_strands(shown, files, picture_options(args), progress, None, read.settings)
-    return [f"{args.file.name}: {read.summary}"]
+    found = [f"{args.file.name}: {read.summary}"]
+    return found if files.paths else [*found, "nothing is written: name the file that you want by --render, --blend, …"]

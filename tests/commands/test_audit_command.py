@@ -14,7 +14,8 @@ def test_good_bad_and_missing_files(tmp_path, capsys):
     assert "moves, no faults found" in capsys.readouterr().out
     path.write_bytes(whole[: whole.rindex(b"\x96\x64")])  # without the end
     assert main(["audit", str(path)]) == 1
-    assert "error: part.x3g must not be printed: the build starts 1 times and ends 0 times" in capsys.readouterr().err
+    shown = capsys.readouterr().err
+    assert "error: part.x3g must not be printed by replicator_2x: the build starts 1 times and ends 0 times" in shown
     path.write_bytes(whole[:-7])
     assert main(["audit", str(path)]) == 1
     path.write_bytes(b"no X3G")
@@ -31,6 +32,8 @@ def test_the_printer_is_chosen(tmp_path, capsys):
     path.write_bytes(x3g_bytes(rosette(3, 40), PrintSettings(printer="replicator_dual")))
     assert main(["audit", str(path), "--printer", "replicator_dual"]) == 0
     assert main(["audit", str(path)]) == 1  # its steps are longer
+    shown = capsys.readouterr().err
+    assert "must not be printed by replicator_2x: it is sound for another printer: --printer replicator_dual" in shown
     assert main(["audit", str(path), "--printer", "ender"]) == 2
     assert main(["audit", str(path), "--printer", "marlin_dual"]) == 1
     assert "does not read X3G" in capsys.readouterr().err

@@ -161,7 +161,12 @@ def test_pictures_are_as_large_as_wanted(box, tmp_path):
     assert [Image.open(file).size for file in files] == [(104, 104), (112, 112)]
 
 
-def test_without_an_output_it_says_so(box, capfd):
+def test_without_an_output_it_says_so(box, tmp_path, capfd):
+    gcode = str(tmp_path / "box.gcode")
+    assert cli.main(["print", str(box), *FAST, "--gcode", gcode]) == 0
+    assert "nothing is written" not in capfd.readouterr().out
+    assert cli.main(["render", gcode]) == 0
+    assert "nothing is written: name the file" in capfd.readouterr().out
     assert cli.main(["print", str(box), *FAST]) == 0
     assert "nothing is written: name the files" in capfd.readouterr().out
     assert cli.main(["tile", *FAST]) == 0
