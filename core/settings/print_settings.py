@@ -119,7 +119,11 @@ class PrintSettings(PatternSettings):
         0.4, "Air between supports and the crests of the waved outline", "mm", 0.0, 10.0
     )
     support_z_distance: float = setting(
-        0.25, "Air between supports and the object above and below, in whole layers", "mm", 0.0, 5.0
+        0.25,
+        "Air between supports and the object above and below, in whole layers, at least one unless it is 0",
+        "mm",
+        0.0,
+        5.0,
     )
     support_interface_layers: int = setting(2, "Dense layers of supports right under the object", "", 0, 20)
     support_interface_spacing: float = setting(0.8, "Distance of the lines in the dense layers", "mm", 0.2, 10.0)

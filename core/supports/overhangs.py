@@ -58,7 +58,8 @@ def contacts(
         wished: where supports are enforced and blocked.
         spanned: bridges that hold without supports, unless these are enforced.
     """
-    gap = round(settings.support_z_distance / settings.layer_height)
+    # What is to keep apart must not melt together because layers are thick.
+    gap = max(round(settings.support_z_distance / settings.layer_height), int(settings.support_z_distance > 0))
     count = len(cut.regions)
     hanging = overhangs(cut.regions, _reach(cut.layers, settings)) if settings.support_auto else nothing(count)
     if spanned is not None:
