@@ -133,14 +133,15 @@ def untimed_program(moves: Moves, settings: PrintSettings) -> Program:
     if printer.marlin:
         steps = fed_by_each(steps, moves.tool)
         moves = replace(moves, position=moves.position + np.array([*printer.marlin.origin, 0.0]))
-    lines, kept_before = _lines(moves, steps, printer)
+    lines, left_out = _lines(moves, steps, printer)
     heating = _heating(moves, settings)
     strands = np.flatnonzero(extrudes)
-    places, insertions = _insertions(moves, strands, kept_before, heating, printer)
+    rows, insertions = _insertions(moves, strands, heating, printer)
     last_tool = int(moves.tool[-1])
     end = end_sequence(settings, last_tool, counters[last_tool])
     widens, widths = _width_changes(moves, strands, settings.extrusion_width)
-    return Program(start.lines, lines, places, insertions, kept_before[widens], widths, end)
+    places, width_places = (some - np.searchsorted(left_out, some) for some in (rows, widens))
+    return Program(start.lines, lines, places, insertions, width_places, widths, end)
 
 
 def _heating(moves: Moves, settings: PrintSettings) -> HeatingCommands:
@@ -194,7 +195,8 @@ def _filament_steps(moves: Moves, begin: tuple[float, float]) -> tuple[list[floa
     ]
     totals = [float(counter[-1]) for counter in counters]
     counter = np.where(is_first, counters[0], counters[1])
-    steps = np.rint(counter * 1e5).astype(np.int64)
+    counter *= 1e5
+    steps = np.rint(counter, out=counter).astype(np.int64)
     if steps.max() >= FILAMENT_LIMIT or steps.min() <= -BACKWARDS_LIMIT:
         raise ValueError("the print needs more filament than the file's counters can hold")
     return totals, steps
@@ -208,7 +210,7 @@ def _after_break(tool: IntArray) -> BoolArray:
 
 
 def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Lines, IntArray]:
-    """The lines to write, and (M,) how many of them stand before each row."""
+    """The lines to write, and (R,) the rows that get none, ascending."""
     fresh = _after_break(moves.tool)
     thousandths = np.empty((3, len(fresh)), dtype=np.int32)
     for row in range(0, len(fresh), CHUNK_ROWS):
@@ -227,21 +229,24 @@ def _lines(moves: Moves, steps: IntArray, printer: PrinterProfile) -> tuple[Line
     stands = np.flatnonzero(feeds & ~kept)
     # What feeds less than the file can tell, on the spot, is no line.
     kept[stands] = steps[stands] != (0 if printer.marlin else steps[stands - 1])
+    left_out = np.flatnonzero(~kept)
     columns: list[NDArray[Any]] = [thousandths, written, steps, feeds, moves.tool, feedrate, fresh]
-    before = np.arange(len(kept))
-    if not kept.all():
-        before = np.cumsum(kept) - kept
-        rows = np.flatnonzero(kept)
-        columns = [column.take(rows, axis=-1) for column in columns]
-    lines = Lines(*(column.T for column in columns))
+    lines = Lines(*(_without(column, left_out).T for column in columns))
     lines.hastens[1:] |= lines.feedrate[1:] != lines.feedrate[:-1]
-    return lines, before
+    return lines, left_out
+
+
+def _without(column: NDArray[Any], rows: IntArray) -> NDArray[Any]:
+    """A column (…, M) without a few of its rows, copied block by block: mostly there is hardly one."""
+    if not len(rows):
+        return column
+    edges = [-1, *rows.tolist(), column.shape[-1]]
+    return np.concatenate([column[..., last + 1 : row] for last, row in pairwise(edges)], axis=-1)
 
 
 def _insertions(
     moves: Moves,
     strands: IntArray,
-    kept_before: IntArray,
     heating: HeatingCommands,
     printer: PrinterProfile,
 ) -> tuple[IntArray, list[bytes]]:
@@ -250,12 +255,11 @@ def _insertions(
     Args:
         moves: the print.
         strands: (E,) rows that lay down a strand.
-        kept_before: (M,) how many lines stand before each row.
         heating: see `_heating`.
         printer: that it is for.
 
     Returns:
-        (I,) int64 the line before which each insertion stands, ascending, and their text.
+        (I,) int64 the row before which each insertion stands, ascending, and their text.
     """
     layer_starts = layer_changes(moves.layer)
     tool_starts = _after_break(moves.tool)
@@ -280,7 +284,7 @@ def _insertions(
         lines += tool_change_lines(tool, printer) if new_tool else []
         lines += heating[1].get(row, [])
         insertions[number] = joined(lines) + insertions[number] * new_feature
-    return kept_before[rows], insertions
+    return rows, insertions
 
 
 def _width_changes(moves: Moves, strands: IntArray, usual: float) -> tuple[IntArray, IntArray]:

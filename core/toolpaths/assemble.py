@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 
 from ..model import FloatArray, IntArray
@@ -42,10 +40,10 @@ def assemble(
     """
     tool = np.zeros_like(paths.layer) if single_color else tool_of_paths(paths.layer, paths.swapped, settings)
     height = strand_heights(paths.layer, paths.feature, layers, settings)
-    with ThreadPoolExecutor(1) as beside:  # GEOS, which looks at the travels, leaves it the interpreter
-        measured = beside.submit(_lengths_and_speeds, paths, height, settings)
-        ways = travels(paths, within, settings)
-    length, speed, short = measured.result()
+    ways = travels(paths, within, settings)
+    length = chord_lengths(paths)
+    speed = extrusion_speeds(paths, height, length, settings)
+    short = short_layers(paths, length, speed, settings)
     approach = approaches(paths, tool, length, ways, settings)
     table, first_row = _extrusions(
         paths, tool, (layers.top[paths.layer], height), approach.rows, length, speed, settings
@@ -53,15 +51,6 @@ def assemble(
     fill_approaches(table, paths, layers, first_row, approach, length, settings)
     slow_short_layers(table, short, settings)
     return table
-
-
-def _lengths_and_speeds(
-    paths: OrderedPaths, height: FloatArray, settings: PrintSettings
-) -> tuple[FloatArray, FloatArray, IntArray]:
-    """(N,) mm from each point to the next, (N,) mm/s there, and the layers that may take too little time."""
-    length = chord_lengths(paths)
-    speed = extrusion_speeds(paths, height, length, settings)
-    return length, speed, short_layers(paths, length, speed, settings)
 
 
 def _extrusions(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..settings.printer import Four, PrinterProfile
 from .moves import Moves
 
 _SHORTEST_MM = 1e-9
-_ROWS = 1 << 16  # worked on at once; with fewer, a thread that writes text beside this is waited for more often
+_ROWS = 1 << 15  # worked on at once; with fewer, a thread that writes text beside this is waited for more often
 _SUMMABLE = float(1 << 14)  # parts of a mm²/s²
 
 
@@ -85,26 +84,35 @@ def layer_begins(moves: Moves, seconds: FloatArray) -> FloatArray:
 
 def _segments(moves: Moves, printer: PrinterProfile) -> _Segments:
     """The rows that move or feed; the first row does not move, since nothing says where the nozzle was."""
-    measured = in_chunks(partial(_measured, moves, printer), np.arange(len(moves.tool)), rows=_ROWS, threads=False)
-    takes, length, speed, acceleration, corner, *tips = measured
+    count, end, tips = len(moves.tool), 0, []
+    takes, columns = np.empty(count, dtype=bool), np.empty((4, count))
+    for row in range(0, count, _ROWS):
+        here = slice(row, min(row + _ROWS, count))
+        takes[here], measured, tip = _measured(moves, printer, here)
+        begin, end = end, end + len(measured[0])
+        for column, part in zip(columns, measured, strict=True):
+            column[begin:end] = part
+        tips.append(tip)
+    length, speed, acceleration, corner = columns[:, :end]
     # What lies between the last segment of a chunk and the first one of the next.
     between = np.flatnonzero(np.isnan(corner))
-    tool, reached, *direction = (tip[1:] for tip in tips)
+    tool, reached, *direction = (np.concatenate(tip)[1:] for tip in zip(*tips, strict=True))
     beyond = _corner_speeds_squared(tool, reached, np.array(direction))[::2]
     corner[between] = np.append(beyond, 0.0)[: len(between)]
     return _Segments(takes, length, speed, acceleration, corner)
 
 
-def _measured(moves: Moves, printer: PrinterProfile, row: IntArray) -> tuple[NDArray[Any], ...]:
+def _measured(
+    moves: Moves, printer: PrinterProfile, here: slice
+) -> tuple[BoolArray, tuple[FloatArray, ...], list[NDArray[Any]]]:
     """The columns of `_Segments` for some rows that follow each other, without those that take no time.
 
     The last corner is not known yet, NaN; what it takes of the first and the last segment comes after the columns,
     as for `_corner_speeds_squared`, axis by axis.
     """
-    here = slice(int(row[0]), int(row[-1]) + 1)
     near = moves.position[max(here.start - 1, 0) : here.stop].T
     # The way along X, Y and Z and the filament, then both for each mm of length.
-    direction = np.zeros((4, len(row)))
+    direction = np.zeros((4, here.stop - here.start))
     np.subtract(near[:, 1:], near[:, :-1], out=direction[:3, max(1 - here.start, 0) :])
     direction[3] = moves.filament[here]
     length = np.sqrt(np.einsum("ij,ij->j", direction[:3], direction[:3]))
@@ -127,7 +135,7 @@ def _measured(moves: Moves, printer: PrinterProfile, row: IntArray) -> tuple[NDA
     corner = np.full(len(length), np.nan)
     corner[:-1] = _corner_speeds_squared(tool, speed, direction)
     tips = [column[[0, -1]] if len(length) else column for column in (tool, speed, *direction)]
-    return kept, length, speed, acceleration, corner, *tips
+    return kept, (length, speed, acceleration, corner), tips
 
 
 def _inverse(limits: Four) -> FloatArray:
