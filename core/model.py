@@ -166,8 +166,10 @@ class TriangleMesh:
     @cached_property
     def face_area(self) -> FloatArray:
         """(F,) mm², of each face; not to be written to."""
-        x, y, z = self.area_normals.T
-        area: FloatArray = np.sqrt(x * x + y * y + z * z) / 2
+        normals, area = self.area_normals, np.empty(len(self.faces))
+        for begin in range(0, len(area), _CHUNK_FACES):
+            x, y, z = normals[begin : begin + _CHUNK_FACES].T
+            area[begin : begin + _CHUNK_FACES] = np.sqrt(x * x + y * y + z * z) / 2
         area.flags.writeable = False
         return area
 

@@ -69,7 +69,7 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
     Args:
         values: of N points.
         start: (M + 1,) offsets of the loops; no loop is empty.
-        kernel: (2 R + 1,) weights.
+        kernel: (2 R + 1,) weights, three at least.
     """
     if not values.size:
         return values
@@ -79,7 +79,6 @@ def filtered(values: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
     smooth = np.empty_like(values)
     for row, low_passed in zip(np.atleast_2d(values), np.atleast_2d(smooth), strict=True):
         low_passed[:] = np.convolve(row, kernel)[reach : reach + long]
-        near = row.take(around)
-        shifted = (weight * near[:, lag : lag + 2 * reach] for lag, weight in enumerate(kernel.tolist()))
-        low_passed[around[:, reach : 3 * reach]] = sum(shifted)
+        near = np.convolve(row.take(around).ravel(), kernel, "same").reshape(around.shape)
+        low_passed[around[:, reach : 3 * reach]] = near[:, reach : 3 * reach]
     return smooth

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, IntArray, ToneImage, TriangleMesh
+from ..parallel import CHUNK_ROWS
 from ..records import dataclass
 from .charts import Charts, uv_charts
 from .island_levels import BAND_TEXELS, IslandLevel, children, island_levels
@@ -109,7 +110,10 @@ def build_pyramids(
             levels: tuple[Level, ...] = (_reduced_level(base, corners, uv, footprint_mm),)
         else:
             levels = _averaged(base, own[1:])
-            level[faces] = _levels(mesh, faces, charts.face_area * (width * height), footprint_mm, len(levels))
+            for begin in range(0, len(faces), CHUNK_ROWS):
+                some = faces[begin : begin + CHUNK_ROWS]
+                texels = charts.face_area.take(some) * (width * height)
+                level[some] = _levels(mesh.face_area.take(some), texels, footprint_mm, len(levels))
         pictures.append(Picture(levels, height, width, bool(uv.min() < -1e-6 or uv.max() > 1 + 1e-6)))
     return TexturePyramids(texture_filter, tuple(pictures), mesh.face_texture, charts.face_island, level)
 
@@ -148,14 +152,12 @@ def _reduced_level(base: Level, corners: FloatArray, uv: FloatArray, footprint_m
     return Level(height, width, paint.ravel(), alpha.ravel(), None, none.astype(np.int8), none)
 
 
-def _levels(
-    mesh: TriangleMesh, faces: IntArray, face_texels: FloatArray, footprint_mm: float, count: int
-) -> FloatArray:
+def _levels(area_mm2: FloatArray, area_texels: FloatArray, footprint_mm: float, count: int) -> FloatArray:
     """Level (T,) of some faces, 0 to count - 1, from their areas in mm² and in texels; 0 where either is zero."""
-    area_mm2, area_texels = mesh.face_area.take(faces), np.abs(face_texels.take(faces))
+    area_texels = np.abs(area_texels)
     sound = (area_mm2 > 0) & (area_texels > 0)
     # A face without an area in either counts as if its texels were as wide as the footprint.
-    ratio = np.divide(area_texels, area_mm2, out=np.full(len(faces), 1 / footprint_mm**2), where=sound)
+    ratio = np.divide(area_texels, area_mm2, out=np.full(len(sound), 1 / footprint_mm**2), where=sound)
     level = 0.5 * np.log2(ratio) + np.log2(footprint_mm)
     return np.asarray(np.clip(level, 0.0, count - 1.0))
 
