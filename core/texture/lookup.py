@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, IntArray
@@ -33,24 +35,44 @@ def tone_at(
     """
     tone = np.full(len(face), background_tone)
     np.copyto(tone, vertex_tone, where=np.isfinite(vertex_tone))
-    finest = pyramids.face_level.astype(np.int8)
+    finest, columns = pyramids.face_level.astype(np.int8), np.ascontiguousarray(uv.T)
     for number, picture in enumerate(pyramids.pictures):
         if not picture.levels:
             continue
         finer = np.where(pyramids.face_texture == number, finest, np.int8(-1)).take(face)
         for level in range(int(finer.max(initial=-1)) + 1):
-            points = np.flatnonzero(finer == level)
-            on = face.take(points)
-            x, y = (_within(picture, along.take(points)) for along in uv.T)
-            x, y = x * picture.width, y * picture.height
-            if pyramids.texture_filter == "lanczos":
-                paint, alpha = _nearest(picture, x, y)
-            else:
-                share = (pyramids.face_level.take(on) - level).astype(np.float32)
-                island = pyramids.face_island.take(on)
-                paint, alpha = _trilinear(picture, level, x.astype(np.float32), y.astype(np.float32), island, share)
-            tone[points] = paint if alpha is None else paint + (1.0 - alpha) * background_tone
+            points, near = np.flatnonzero(finer == level), [np.zeros(0, dtype=np.int64)]
+            for some in _chunks(points):
+                places = _places(pyramids, picture, face, columns, some)
+                if pyramids.texture_filter == "lanczos":
+                    values = _nearest(picture, *places[:2])
+                else:
+                    values, known = _trilinear(picture, level, *places)
+                    near.append(some.compress(~known))
+                tone[some] = _blended(values, background_tone)
+            for some in _chunks(np.concatenate(near)):
+                places = _places(pyramids, picture, face, columns, some)
+                tone[some] = _blended(_near_borders(picture, level, *places), background_tone)
     return np.clip(tone, 0.0, 1.0, out=tone)
+
+
+def _chunks(points: IntArray) -> Iterator[IntArray]:
+    """Some points at a time."""
+    return (points[begin : begin + _CHUNK_POINTS] for begin in range(0, len(points), _CHUNK_POINTS))
+
+
+def _places(
+    pyramids: TexturePyramids, picture: Picture, face: IntArray, uv: FloatArray, some: IntArray
+) -> tuple[FloatArray, FloatArray, LabelImage, FloatArray]:
+    """Where some of the points (n,) lie: x and y in texels of the picture, the island, and the level between levels."""
+    u, v = (column.take(some) for column in uv)
+    x, y, on = _within(picture, u) * picture.width, _within(picture, v) * picture.height, face.take(some)
+    return x, y, pyramids.face_island.take(on), pyramids.face_level.take(on)
+
+
+def _blended(values: list[Float32Array], background_tone: float) -> Float32Array:
+    """Paint (n,) as it is, or with alpha (n,) over the background."""
+    return values[0] if len(values) == 1 else values[0] + (1.0 - values[1]) * background_tone
 
 
 def _within(picture: Picture, place: FloatArray) -> FloatArray:
@@ -58,39 +80,30 @@ def _within(picture: Picture, place: FloatArray) -> FloatArray:
     return np.asarray(place - np.floor(place) if picture.repeats else np.clip(place, 0.0, 1.0))
 
 
-def _nearest(picture: Picture, x: FloatArray, y: FloatArray) -> tuple[Float32Array, Float32Array | None]:
-    """Paint and alpha (n,) of the texel that each point lies in."""
+def _nearest(picture: Picture, x: FloatArray, y: FloatArray) -> list[Float32Array]:
+    """Paint and, if there is any, alpha (n,) of the texel that each point lies in."""
     level = picture.levels[0]
     column = np.minimum(x * (level.width / picture.width), level.width - 1).astype(np.int64)
     row = np.minimum(y * (level.height / picture.height), level.height - 1).astype(np.int64)
     index = row * level.width + column
-    return level.paint.take(index), None if level.alpha is None else level.alpha.take(index)
+    return [values.take(index) for values in (level.paint, level.alpha) if values is not None]
 
 
 def _trilinear(
-    picture: Picture, finer: int, x: Float32Array, y: Float32Array, island: LabelImage, share: Float32Array
-) -> tuple[Float32Array, Float32Array | None]:
-    """Paint and alpha (n,) between the level `finer` (share 0) and the next coarser one (share 1), by `share` (n,)."""
-    paint, known = np.empty(len(x), dtype=np.float32), np.empty(len(x), dtype=bool)
-    alpha = None if picture.levels[0].alpha is None else np.empty_like(paint)
-    for start in range(0, len(x), _CHUNK_POINTS):
-        part = slice(start, start + _CHUNK_POINTS)
-        inputs = x[part], y[part], island[part]
-        values, known[part] = _within_island(picture, finer, *inputs)
-        if finer + 1 < len(picture.levels):
-            coarse, coarse_known = _within_island(picture, finer + 1, *inputs)
-            known[part] &= coarse_known
-            values = [_mixed(one, other, share[part]) for one, other in zip(values, coarse, strict=True)]
-        paint[part] = values[0]
-        if alpha is not None:
-            alpha[part] = values[1]
-    near = np.flatnonzero(~known)
-    for start in range(0, len(near), _CHUNK_POINTS):
-        rest = near[start : start + _CHUNK_POINTS]
-        paint[rest], rest_alpha = _near_borders(picture, finer, x[rest], y[rest], island[rest], share[rest])
-        if alpha is not None:
-            alpha[rest] = rest_alpha
-    return paint, alpha
+    picture: Picture, finer: int, x: FloatArray, y: FloatArray, island: LabelImage, level: FloatArray
+) -> tuple[list[Float32Array], BoolArray]:
+    """Paint and, if there is any, alpha (n,) at a `level` (n,) between the level `finer` and the next coarser one.
+
+    Also returns (n,) where they are known, as `_within_island` does.
+    """
+    place = x.astype(np.float32), y.astype(np.float32)
+    values, known = _within_island(picture, finer, *place, island)
+    if finer + 1 < len(picture.levels):
+        share = (level - finer).astype(np.float32)
+        coarse, coarse_known = _within_island(picture, finer + 1, *place, island)
+        known &= coarse_known
+        values = [_mixed(one, other, share) for one, other in zip(values, coarse, strict=True)]
+    return values, known
 
 
 def _within_island(
@@ -134,28 +147,29 @@ def _mixed(first: Float32Array, second: Float32Array, share: Float32Array) -> Fl
 
 
 def _near_borders(
-    picture: Picture, finer: int, x: Float32Array, y: Float32Array, island: LabelImage, share: Float32Array
-) -> tuple[Float32Array, Float32Array]:
-    """Paint and alpha (n,) as `_trilinear`, near other islands.
+    picture: Picture, finer: int, x: FloatArray, y: FloatArray, island: LabelImage, level: FloatArray
+) -> list[Float32Array]:
+    """Paint and, if there is any, alpha (n,) as `_trilinear`, near other islands.
 
     Points whose island is missing in the finer level use the next finer one, and so on, and finally the picture with
     any island; a coarser level without the island is left out.
     """
+    across, up, share = (column.astype(np.float32) for column in (x, y, level - finer))
     paint, alpha = np.zeros((2, len(x)), dtype=np.float32)
     lost = np.arange(len(x))
     for number in range(finer, -1, -1):
-        paint[lost], alpha[lost], known = _bilinear(picture, number, x[lost], y[lost], island[lost])
+        paint[lost], alpha[lost], known = _bilinear(picture, number, across[lost], up[lost], island[lost])
         lost = lost[~known]
         if not len(lost):
             break
-    paint[lost], alpha[lost], _ = _bilinear(picture, 0, x[lost], y[lost], None)
+    paint[lost], alpha[lost], _ = _bilinear(picture, 0, across[lost], up[lost], None)
     if finer + 1 < len(picture.levels):
-        coarse_paint, coarse_alpha, known = _bilinear(picture, finer + 1, x, y, island)
+        coarse_paint, coarse_alpha, known = _bilinear(picture, finer + 1, across, up, island)
         known[lost] = False
         share = share * known
         paint += share * (coarse_paint - paint)
         alpha += share * (coarse_alpha - alpha)
-    return paint, alpha
+    return [paint] if picture.levels[0].alpha is None else [paint, alpha]
 
 
 def _bilinear(
