@@ -9,13 +9,15 @@ import numpy as np
 import shapely
 
 from ..fill.walls import polygonal
-from ..model import FloatArray, Shapes
+from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
+from ..ragged import ranges
 
 GRID_MM = 0.01
 """Vertices of supports lie on this grid: overlays on it are exact, whatever the shapes have in common."""
 SIMPLIFY_MM = 0.04
 """Areas of support may be off by this much, so that they do not gather vertices from layer to layer."""
+_PAIRS_AT_ONCE = 1 << 20  # whose boxes are held in memory
 
 
 def difference(shapes: Shapes, others: Shapes | shapely.Geometry) -> Shapes:
@@ -53,6 +55,30 @@ def once(function: Callable[[Shapes], tuple[Shapes]], shapes: Shapes) -> Shapes:
 def distinct(shapes: Shapes) -> Shapes:
     """(D,) the shapes, each once."""
     return np.asarray(shapes[_alike(shapes)[1]])
+
+
+def overlapping(parts: Shapes, layer: IntArray, others: Shapes, other_layer: IntArray) -> tuple[IntArray, IntArray]:
+    """(other, part) of all that overlap on the same layer, by `layer` (P,), which does not decrease, and another."""
+    first = np.searchsorted(layer, other_layer, side="left")
+    count = np.searchsorted(layer, other_layer, side="right") - first
+    cuts = np.searchsorted(np.cumsum(count), np.arange(_PAIRS_AT_ONCE, count.sum(), _PAIRS_AT_ONCE))
+    some = [
+        _that_overlap(parts, others, np.repeat(rows, count[rows]), ranges(first[rows], count[rows]))
+        for rows in np.split(np.arange(len(others)), cuts)
+    ]
+    other, part = (np.concatenate(column) for column in zip(*some, strict=True))
+    return other, part
+
+
+def _that_overlap(parts: Shapes, others: Shapes, other: IntArray, part: IntArray) -> tuple[IntArray, IntArray]:
+    """Those of the pairs (other, part) that overlap."""
+    one, two = shapely.bounds(others)[other], shapely.bounds(parts)[part]
+    near = ((one[:, :2] <= two[:, 2:]) & (two[:, :2] <= one[:, 2:])).all(axis=1)
+    other, part, same = other[near], part[near], (one[near] == two[near]).all(axis=1)
+    # What joins all sides of a box crosses whatever else does.
+    met = same.copy()
+    met[~same] = shapely.intersects(others[other[~same]], parts[part[~same]])
+    return other[met], part[met]
 
 
 def _alike(shapes: Shapes) -> tuple[Any, Any, Any]:

@@ -8,13 +8,13 @@ import shapely
 from ..fill.hatch import crossings, long_enough, rotated, spans
 from ..fill.joining import LinkLimits, joined
 from ..fill.walls import offset
-from ..model import FloatArray, IntArray, Shapes
+from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
-from .grid_overlay import areas, nothing, once, thickness
+from .grid_overlay import areas, nothing, once, overlapping, thickness
 
 SUPPORT_ISLAND = -3
 # Lines run along X, and the close ones across them, so that they do not fall between.
@@ -22,6 +22,8 @@ _ANGLE_DEG, _INTERFACE_ANGLE_DEG = 0.0, 90.0
 _ARC_SEGMENTS = 4
 _NARROW = 2.5  # thickness in spacings below which a support gets a loop
 _LONGEST_LINK = 3.0  # in spacings, along the edge of the support
+_TUBE_MM = 6.5  # thickness up to which a support with a loop needs lines inside only near its top
+_TOP_MM = 1.5  # of a tube that has lines inside: the lowest sag from side to side, the highest carry
 _STRAIGHTNESS_MM = 0.01  # links that stray from the edge by more follow it
 
 
@@ -82,7 +84,6 @@ def support_lines(below: Shapes, close: Shapes, settings: PrintSettings) -> Path
     Returns:
         Paths of feature SUPPORT and SUPPORT_INTERFACE on island `SUPPORT_ISLAND`.
     """
-    width = settings.extrusion_width
     layer = np.arange(len(below))
     wide, fine = settings.support_spacing, min(settings.support_interface_spacing, settings.support_spacing)
     parts = []
@@ -92,20 +93,39 @@ def support_lines(below: Shapes, close: Shapes, settings: PrintSettings) -> Path
         (layer[1:], wide, below, Feature.SUPPORT, _ANGLE_DEG),
         (layer, fine, close, Feature.SUPPORT_INTERFACE, _INTERFACE_ANGLE_DEG),
     ):
-        parts += _filled(Areas(shapes[rows], rows, feature, spacing, angle), width)
+        parts += _filled(Areas(shapes[rows], rows, feature, spacing, angle), settings)
     return Paths.joined(parts)
 
 
-def _filled(areas: Areas, width: float) -> list[Paths]:
-    """Lines, and a loop around each part that is too narrow for them to stand without it."""
+def _filled(areas: Areas, settings: PrintSettings) -> list[Paths]:
+    """Lines, and a loop around each part that is too narrow for them to stand without it; tubes have the loop alone."""
+    width = settings.extrusion_width
     parts, owner = shapely.get_parts(areas.shapes, return_index=True)
     printable = shapely.length(parts) > 2 * width
     parts, owner = parts[printable], owner[printable]
     narrow = thickness(parts) < _NARROW * areas.spacing_mm
-    within = once(lambda some: (offset(some, -width),), parts[narrow])  # its lines lie beside the loop's
+    ribbed = narrow.copy()
+    ribbed[narrow] &= ~_tubes(parts[narrow], areas.layer[owner[narrow]], settings)
+    within = once(lambda some: (offset(some, -width),), parts[ribbed])  # its lines lie beside the loop's
     inside = np.concatenate([parts[~narrow], within])
-    of_layer = np.concatenate([owner[~narrow], owner[narrow]])
+    of_layer = np.concatenate([owner[~narrow], owner[ribbed]])
     return [_hatched(areas, inside, of_layer, width), _loops(areas, parts[narrow], owner[narrow], width)]
+
+
+def _tubes(parts: Shapes, layer: IntArray, settings: PrintSettings) -> BoolArray:
+    """(P,) bool, narrow parts that go on as such above, so that nothing rests on what is inside.
+
+    Args:
+        parts: (P,) Polygons.
+        layer: (P,) of each, not decreasing.
+        settings: the height of layers and the width of lines are used.
+    """
+    ahead = int(np.ceil(_TOP_MM / settings.layer_height))
+    upper, lower = overlapping(parts, layer, parts, layer - ahead)
+    around = once(lambda some: (offset(some, settings.extrusion_width),), parts)
+    found = np.zeros(len(parts), dtype=bool)
+    found[lower[shapely.covers(around[upper], parts[lower])]] = True
+    return found & (thickness(parts) < _TUBE_MM)
 
 
 def _hatched(areas: Areas, shapes: Shapes, owner: IntArray, width: float) -> Paths:

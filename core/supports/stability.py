@@ -11,9 +11,8 @@ from ..fill.walls import offset, simplified
 from ..mesh.components import connected
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
-from ..ragged import ranges
 from ..slicing.regions import gathered
-from .grid_overlay import SIMPLIFY_MM, areas, once, thickness
+from .grid_overlay import SIMPLIFY_MM, areas, once, overlapping, thickness
 from .overhangs import Contacts
 
 # Columns that never get this large (mm²), what is too narrow to be printed left out, carry bumps and ledges that hold
@@ -27,7 +26,6 @@ _GROWTH_STEP_MM = 0.25  # so that columns of about one height grow alike
 _HALF_LEAST_WIDTH_MM = 0.3
 _NARROW_MM = 1.2  # strips narrower than this may be too narrow in part
 _ARC_SEGMENTS = 4
-_PAIRS_AT_ONCE = 1 << 20  # whose boxes are held in memory
 
 
 def steady(found: Shapes, needed: Contacts, taken: Shapes, layer_height: float) -> Shapes:
@@ -66,38 +64,14 @@ def _most(values: FloatArray | IntArray, column: IntArray) -> FloatArray:
 
 def _columns_of(parts: Shapes, layer: IntArray) -> IntArray:
     """(P,) number of each part's column: parts that touch from layer to layer are one column."""
-    upper, lower = _pairs(parts, layer, parts, layer - 1)
+    upper, lower = overlapping(parts, layer, parts, layer - 1)
     return connected(len(parts), upper, lower)
 
 
 def _under(parts: Shapes, layer: IntArray, islands: Shapes, island_layer: IntArray) -> IntArray:
     """The parts that lie under an island."""
-    under: IntArray = np.unique(_pairs(parts, layer, islands, island_layer)[1])
+    under: IntArray = np.unique(overlapping(parts, layer, islands, island_layer)[1])
     return under
-
-
-def _pairs(parts: Shapes, layer: IntArray, others: Shapes, other_layer: IntArray) -> tuple[IntArray, IntArray]:
-    """(other, part) of all that overlap on the same layer, by `layer` (P,), which does not decrease, and another."""
-    first = np.searchsorted(layer, other_layer, side="left")
-    count = np.searchsorted(layer, other_layer, side="right") - first
-    cuts = np.searchsorted(np.cumsum(count), np.arange(_PAIRS_AT_ONCE, count.sum(), _PAIRS_AT_ONCE))
-    some = [
-        _overlapping(parts, others, np.repeat(rows, count[rows]), ranges(first[rows], count[rows]))
-        for rows in np.split(np.arange(len(others)), cuts)
-    ]
-    other, part = (np.concatenate(column) for column in zip(*some, strict=True))
-    return other, part
-
-
-def _overlapping(parts: Shapes, others: Shapes, other: IntArray, part: IntArray) -> tuple[IntArray, IntArray]:
-    """Those of the pairs (other, part) that overlap."""
-    one, two = shapely.bounds(others)[other], shapely.bounds(parts)[part]
-    near = ((one[:, :2] <= two[:, 2:]) & (two[:, :2] <= one[:, 2:])).all(axis=1)
-    other, part, same = other[near], part[near], (one[near] == two[near]).all(axis=1)
-    # What joins all sides of a box crosses whatever else does.
-    met = same.copy()
-    met[~same] = shapely.intersects(others[other[~same]], parts[part[~same]])
-    return other[met], part[met]
 
 
 def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, taken: Shapes) -> Shapes:
@@ -118,7 +92,7 @@ def _thickened(parts: Shapes, layer: IntArray, growth: FloatArray, count: int, t
 
 def _united(pieces: Shapes, layer: IntArray, count: int) -> Shapes:
     """(L,) pieces of each layer; grown columns that overlap become one."""
-    group = connected(len(pieces), *_pairs(pieces, layer, pieces, layer))
+    group = connected(len(pieces), *overlapping(pieces, layer, pieces, layer))
     shapes, several = gathered(pieces, group, len(pieces)), np.bincount(group, minlength=len(pieces)) > 1
     shapes[several] = once(lambda some: (shapely.buffer(some, 0.0),), shapes[several])
     of_group = np.zeros(len(pieces), dtype=np.int64)

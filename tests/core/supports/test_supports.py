@@ -14,7 +14,7 @@ from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.supports import stability
+from dualcolor.core.supports import grid_overlay
 from dualcolor.core.supports.lines import SUPPORT_ISLAND
 from dualcolor.core.supports.paths import supports
 from dualcolor.core.toolpaths.loops import Turn
@@ -147,6 +147,25 @@ def test_a_tall_column_is_thicker(height, thickness):
     assert made.paths.closed[made.paths.layer == layer].any() == (thickness < 2.5 * SETTINGS.support_spacing)
 
 
+def test_a_thin_column_is_a_tube_with_lines_inside_only_near_its_top():
+    """A column of 5 mm under a plate on a post: the lines inside carry the dense layers, and nothing below does."""
+    table = joined(box((-9, -3, 0), (-5, 3, 24)), box((-9, -2.5, 20), (5, 2.5, 24)))
+    blocked = box((-5, -9, 0), (0, 9, 30))
+    off = SupportVolume(SupportMark.BLOCKER, blocked.vertices, blocked.polygon_start, blocked.corner_vertex)
+    _, made = held(replace(table, volumes=(off,)))
+    layers = np.unique(made.paths.layer)
+    closed = [made.paths.closed[made.paths.layer == layer] for layer in layers]
+    interface = [(made.paths.feature[made.paths.layer == layer] == Feature.SUPPORT_INTERFACE).any() for layer in layers]
+    alone = [bool(kinds.all()) for kinds in closed]
+    top = layers[~np.array(interface)].max()
+    assert layers.tolist() == list(range(len(layers))) and top * SETTINGS.layer_height > 18
+    tube = (layers > 0) & (layers <= top - 1.5 / SETTINGS.layer_height)  # the first layer is dense, to hold on
+    assert alone == tube.tolist()
+    for layer in layers[tube].tolist():
+        (loop,) = lines_of(made.paths, Feature.SUPPORT, layer)
+        assert 14 < loop.length < 22 and made.covered[layer].covers(loop)
+
+
 def test_wide_supports_have_no_loop(table):
     _, made = table
     assert not made.paths.closed.any()
@@ -240,5 +259,5 @@ def test_overlaps_are_looked_for_in_portions(monkeypatch):
     parts, layer, others, below = boxes[:40], np.sort(rng.integers(0, 5, 40)), boxes[40:], rng.integers(-1, 6, 20)
     met = (below[:, None] == layer) & shapely.intersects(others[:, None], parts)
     for at_once in (1, 7, 1 << 20):
-        monkeypatch.setattr(stability, "_PAIRS_AT_ONCE", at_once)
-        assert np.array_equal(np.stack(stability._pairs(parts, layer, others, below)), np.stack(met.nonzero()))
+        monkeypatch.setattr(grid_overlay, "_PAIRS_AT_ONCE", at_once)
+        assert np.array_equal(np.stack(grid_overlay.overlapping(parts, layer, others, below)), np.stack(met.nonzero()))
