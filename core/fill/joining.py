@@ -51,7 +51,8 @@ def joined(
         cut: the crossings of scan lines and boundaries.
         found: (S,) the spans between them.
         keep: (S,) bool, the spans to print.
-        trim_mm: (N,) by region, what is taken off both ends of a span, but a quarter of it at most.
+        trim_mm: (N,) by region, what is taken off both ends of a span that meets the boundary square, but a quarter of
+            the span at most.
         limits: which links are made.
 
     Returns:
@@ -64,7 +65,7 @@ def joined(
     place = np.full(len(found.left), -1, dtype=np.int64)
     place[span] = np.arange(len(span))
 
-    ends = _ends(cut, found, span, trim_mm)
+    ends = _ends(cut, found, span, _trims(cut, along, links, trim_mm))
     vertex, owner, rank = _followed(cut, along, links)
     at = np.concatenate([np.repeat(np.arange(len(span)), 2), place[owner]])
     order = np.lexsort((np.concatenate([np.tile([-2, -1], len(span)), rank]), at))
@@ -108,11 +109,27 @@ def _climbed(links: _Links, kept: IntArray, line: IntArray) -> tuple[IntArray, B
     return order, starts
 
 
-def _ends(cut: Crossings, found: Spans, span: IntArray, trim_mm: FloatArray) -> FloatArray:
+def _trims(cut: Crossings, along: Arcs, links: _Links, trim_mm: FloatArray) -> FloatArray:
+    """(X,) mm that spans end before each crossing.
+
+    A straight link beside a slanting boundary is longer, so its spans end as much earlier: then it lies as far from the
+    boundary as from one that is met square, and the lines take no more than the area that they fill.
+    """
+    trim: FloatArray = trim_mm[cut.region]
+    begin = links.arc[links.straight]
+    end = along.end[begin]
+    shift = cut.places[end] - cut.places[begin]
+    slant = np.hypot(1.0, shift[:, 0] / shift[:, 1])
+    trim[begin] *= slant
+    trim[end] *= slant
+    return trim
+
+
+def _ends(cut: Crossings, found: Spans, span: IntArray, trim: FloatArray) -> FloatArray:
     """(2S, 2) both ends of each span as it is printed: to the right on even lines, back on odd ones."""
     left, right = found.left[span], found.right[span]
-    trim = np.minimum(trim_mm[cut.region[left]], 0.25 * (cut.x[right] - cut.x[left]))
-    x = np.stack([cut.x[left] + trim, cut.x[right] - trim], axis=1)
+    most = 0.25 * (cut.x[right] - cut.x[left])
+    x = np.stack([cut.x[left] + np.minimum(trim[left], most), cut.x[right] - np.minimum(trim[right], most)], axis=1)
     odd = cut.line[left] % 2 == 1
     x[odd] = x[odd, ::-1]
     return np.stack([x.ravel(), np.repeat(cut.places[left, 1], 2)], axis=1)
