@@ -23,6 +23,12 @@ def mm_per_unit(scene: bpy.types.Scene) -> float:
 
 
 def use_millimeters(scene: bpy.types.Scene) -> None:
-    """Make one unit of a scene one millimeter, and show lengths that way."""
+    """Make one unit of a scene one millimeter, and show lengths that way, also by the grid of all 3D views.
+
+    The grid's finest lines are meters at first, none of which are seen around small things.
+    """
     units = scene.unit_settings
     units.system, units.scale_length, units.length_unit = "METRIC", 1.0 / MM_PER_METER, "MILLIMETERS"
+    spaces = (space for screen in bpy.data.screens for area in screen.areas for space in area.spaces)
+    for overlay in (space.overlay for space in spaces if space.type == "VIEW_3D"):
+        overlay.grid_scale = min(overlay.grid_scale, 1.0 / MM_PER_METER)
