@@ -12,6 +12,8 @@ from ..core.errors import MeshError
 from .node_inputs import input_objects
 
 _ONLOOKERS = ("CAMERA", "LIGHT")
+_SHEAR = 1e-4
+"""Of single precision is what differs by less."""
 
 
 def movers(obj: bpy.types.Object) -> list[bpy.types.Object]:
@@ -40,8 +42,25 @@ def move(obj: bpy.types.Object, transform: Matrix) -> None:
         if not each.is_editable:
             raise MeshError(f"{each.name} belongs to another file", "make it local first (Object > Relations)")
     for each in moved:
-        each.matrix_world = transform @ each.matrix_world
+        _place(each, transform @ each.matrix_world)
     bpy.context.view_layer.update()
+
+
+def _place(obj: bpy.types.Object, matrix: Matrix) -> None:
+    """Give an object a matrix in the world.
+
+    Below an unevenly scaled parent that may be a sheared one, which location, rotation and scale cannot say: then the
+    parent's inverse, any matrix, takes up the change.
+    """
+    within = obj.matrix_world @ obj.matrix_basis.inverted_safe()  # of the parent, its inverse included
+    basis = within.inverted_safe() @ matrix
+    unsheared = Matrix.LocRotScale(*basis.decompose())
+    off = max(abs(value) for row in basis - unsheared for value in row)
+    if obj.parent and off > _SHEAR * max(abs(value) for row in basis for value in row):
+        change = matrix @ obj.matrix_world.inverted_safe()
+        obj.matrix_parent_inverse = obj.matrix_parent_inverse @ within.inverted_safe() @ change @ within
+    else:
+        obj.matrix_world = matrix
 
 
 def _object_properties(modifier: bpy.types.Modifier) -> list[str]:

@@ -92,6 +92,21 @@ def test_a_posed_mesh_keeps_its_shape_when_it_is_turned(child):
     assert bounds_mm([box])[0, 2] == pytest.approx(low, abs=1e-3)
 
 
+def test_what_an_uneven_parent_shears_keeps_its_shape_when_it_is_turned():
+    bpy.context.scene.unit_settings.scale_length = 0.001
+    parent, box = bpy.data.objects.new("parent", None), add_box((4, 6, 20))
+    bpy.context.scene.collection.objects.link(parent)
+    box.parent, box.rotation_euler = parent, (0.5, 0.3, 0)
+    parent.scale, parent.rotation_euler = (1, 3, 1), (0, 0, 1)
+    bpy.context.view_layer.update()
+    before, low = shape_of(box), bounds_mm([box])[0, 2]
+    for up in np.eye(3).tolist():
+        keep_orientations(box, [Orientation(tuple(up), 1.0, 0.0, 4.0, 1.0, 1.0, 1.0)])
+        turn(box, 0)
+        assert shape_of(box) == pytest.approx(before, rel=1e-4)
+        assert bounds_mm([box])[0, 2] == pytest.approx(low, abs=1e-3)
+
+
 def test_a_size_that_something_else_sets_is_told_of():
     bpy.context.scene.unit_settings.scale_length = 0.001
     bpy.ops.mesh.primitive_cube_add(size=20)
