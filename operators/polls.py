@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.input.metaballs import metaball_of
 from ..bridge.strands.preview import source_of
 
 MAKE_LOCAL = "Make the object and its data local first (Object > Relations)"
@@ -17,6 +18,10 @@ def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> 
         instanced = obj is not None and obj.instance_type == "COLLECTION"
         how = "Object > Apply > Make Instances Real" if instanced else "Select a mesh object"
         cls.poll_message_set(f"{how} first")
+        return False
+    whole = metaball_of(obj, context.scene)
+    if whole != obj:
+        cls.poll_message_set(f"Select {whole.name} first: it has the surface of this metaball")
         return False
     return True
 

@@ -109,7 +109,7 @@ def _draw_legend(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
         return
     head = layout.row()
     head.prop(collection, "hide_viewport", text="Hide All", toggle=True)
-    head.operator(DUALCOLOR_OT_remove_analysis.bl_idname, icon="X")
+    head.operator(DUALCOLOR_OT_remove_analysis.bl_idname, text="Remove", icon="X")
     column = layout.column(align=True)
     for held in overlays_in(collection):
         row = column.row()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.paint.painting import picture_of
+from ..bridge.paint.painting import paint_note, picture_of
 from ..bridge.proof.proof_views import WITHOUT_MATERIALS
 from ..bridge.proof.soft_proof import is_proofed, proof_notes
 from ..bridge.strands.preview import source_of
@@ -81,4 +81,5 @@ def hints(obj: bpy.types.Object, active: bpy.types.Object | None = None) -> list
         found.append("The image needs a UV map: unwrap first")
     elif not obj.dualcolor.image:
         found.append(f"Prints the material's image {picture.name}")
-    return found
+    note = paint_note(obj)
+    return [*found, note[0].upper() + note[1:]] if note else found

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import bpy
 
 from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.input.metaballs import metaball_of
 from ..bridge.input.plate import objects_to_print
 from ..bridge.strands.preview import source_of
 from .analysis import PANELS as ANALYSIS_PANELS
@@ -16,7 +17,7 @@ from .predict import DUALCOLOR_PT_predict
 from .prepare import DUALCOLOR_PT_prepare
 from .presets import DUALCOLOR_PT_presets
 from .printing import PANELS as PRINT_PANELS
-from .rows import draw_settings
+from .rows import draw_sentence, draw_settings
 from .scrubber import DUALCOLOR_PT_scrubber
 from .sections import FOLDED, PATTERN, Section
 from .supports import draw_supports
@@ -41,7 +42,11 @@ class DUALCOLOR_PT_main(Tab, bpy.types.Panel):
                 self.layout.label(text="or Object > Apply > Make Instances Real", icon="BLANK1")
             return
         more = len(objects_to_print(context)) - 1
-        self.layout.label(text=f"{obj.name} and {more} more" if more > 0 else obj.name, icon="OBJECT_DATA")
+        printed = f"{obj.name} and {more} more" if more > 0 else obj.name
+        self.layout.label(text=printed, icon="OBJECT_DATA", translate=False)
+        whole = metaball_of(obj, context.scene)
+        if whole != obj:
+            draw_sentence(self.layout, context, f"A part of {whole.name}: select that", "INFO")
 
 
 class DUALCOLOR_PT_pattern(ObjectPanel, bpy.types.Panel):

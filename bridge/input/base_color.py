@@ -10,6 +10,9 @@ from ...core.records import dataclass
 
 Groups = tuple[bpy.types.Node, ...]
 COLOR_INPUT = {"BSDF_PRINCIPLED": "Base Color", "BSDF_DIFFUSE": "Color", "EMISSION": "Color"}
+_ATTRIBUTES = {"VERTEX_COLOR": "layer_name", "ATTRIBUTE": "attribute_name"}
+_BAKE_HINT = "to print what is seen, bake it into an image (Cycles: Render Properties > Bake), and choose that"
+_HARMLESS = ("REROUTE", "RGBTOBW")  # what prints is gray anyway
 
 
 @dataclass(frozen=True)
@@ -21,12 +24,32 @@ class BaseColor:
         uv_map: name of the UV map that the picture asks for, "" for the one to render.
         attribute: name of a color attribute, or "".
         color: linear RGBA of a plain color, or None.
+        ignored: titles of the nodes that change it in the material, but not in the print; with nothing else, of those
+            that make it.
     """
 
     image: bpy.types.Image | None = None
     uv_map: str = ""
     attribute: str = ""
     color: tuple[float, float, float, float] | None = None
+    ignored: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Found:
+    """A node that feeds a socket.
+
+    Attributes:
+        node: the node.
+        outlet: by which it does.
+        groups: the group nodes that it is in, the outermost first.
+        way: the nodes between the two, from the socket on.
+    """
+
+    node: bpy.types.Node
+    outlet: bpy.types.NodeSocket
+    groups: Groups
+    way: tuple[bpy.types.Node, ...] = ()
 
 
 def base_color(material: bpy.types.Material | None) -> BaseColor:
@@ -43,14 +66,14 @@ def base_color(material: bpy.types.Material | None) -> BaseColor:
     if output is None:
         return BaseColor(color=tuple(material.diffuse_color))
     plain = BaseColor()
-    for node, groups in _upstream(output.inputs["Surface"], ()):
-        if node.type == "TEX_IMAGE" and node.image:
-            return _of_image_node(node, groups)
-        if node.type in COLOR_INPUT:
-            found = _of_socket(node.inputs[COLOR_INPUT[node.type]], groups)
-            if found.image or found.attribute:
-                return found
-            plain = plain if plain.color else found
+    for found in _upstream(output.inputs["Surface"], ()):
+        if found.node.type == "TEX_IMAGE" and found.node.image:
+            return _of_image_node(found)
+        if found.node.type in COLOR_INPUT:
+            color = _of_socket(found.node.inputs[COLOR_INPUT[found.node.type]], found.groups)
+            if color.image or color.attribute:
+                return color
+            plain = plain if plain.color else color
     return plain
 
 
@@ -64,6 +87,17 @@ def chosen_color(colors: list[BaseColor], image: bpy.types.Image, mesh: bpy.type
     return next((color for color in colors if color.image == image), unseen)
 
 
+def ignored_note(color: BaseColor) -> str:
+    """A sentence about what a material shows otherwise than it prints; empty if there is nothing."""
+    if not color.ignored:
+        return ""
+    nodes = " and ".join(color.ignored)
+    if not color.image and not color.attribute:
+        return f"the material's color is made by {nodes}, which does not print: {_BAKE_HINT}"
+    paint = f"image {color.image.name}" if color.image else f"color attribute {color.attribute}"
+    return f"the material changes the {paint} by {nodes}, but it prints as it is: {_BAKE_HINT}"
+
+
 def picture_layer(color: BaseColor, mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:
     """The UV map by which a picture is seen: the one that it asks for, else the one to render; None without any."""
     layers = mesh.uv_layers
@@ -73,26 +107,54 @@ def picture_layer(color: BaseColor, mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoo
 def _of_socket(socket: bpy.types.NodeSocket, groups: Groups) -> BaseColor:
     if not socket.is_linked:
         return BaseColor(color=tuple(socket.default_value))
-    plain = BaseColor()
-    for node, within in _upstream(socket, groups):
+    plain, made_by = BaseColor(), ""
+    for found in _upstream(socket, groups):
+        node = found.node
         if node.type == "TEX_IMAGE" and node.image:
-            return _of_image_node(node, within)
-        if node.type == "VERTEX_COLOR":
-            plain = BaseColor(attribute=node.layer_name)
-        elif node.type == "ATTRIBUTE":
-            plain = BaseColor(attribute=node.attribute_name)
+            return _of_image_node(found)
+        if node.type in _ATTRIBUTES:
+            plain = BaseColor(attribute=getattr(node, _ATTRIBUTES[node.type]), ignored=_changers(found))
         elif node.type == "RGB" and not plain.attribute:
-            plain = BaseColor(color=tuple(node.outputs[0].default_value))
+            plain = BaseColor(color=tuple(node.outputs[0].default_value), ignored=_changers(found))
+        if node.type != "TEX_IMAGE":
+            made_by = made_by or node.bl_label
+    if made_by and not plain.attribute and not plain.color:
+        return BaseColor(ignored=(made_by,))
     return plain
 
 
-def _of_image_node(node: bpy.types.ShaderNodeTexImage, groups: Groups) -> BaseColor:
-    sources = (source for source, _ in _upstream(node.inputs["Vector"], groups))
-    return BaseColor(image=node.image, uv_map=next((each.uv_map for each in sources if each.type == "UVMAP"), ""))
+def _of_image_node(found: _Found) -> BaseColor:
+    node = found.node
+    sources = list(_upstream(node.inputs["Vector"], found.groups))
+    uv_map = next((each.node.uv_map for each in sources if each.node.type == "UVMAP"), "")
+    moved = [title for title in map(_mover, sources) if title]
+    if node.projection != "FLAT":
+        moved.append(f"{node.projection.title()} projection")
+    return BaseColor(image=node.image, uv_map=uv_map, ignored=(*_changers(found), *dict.fromkeys(moved)))
 
 
-def _upstream(socket: bpy.types.NodeSocket, groups: Groups) -> Iterator[tuple[bpy.types.Node, Groups]]:
-    """Nodes that feed a socket, nearest first, each once, with the groups that they are in.
+def _changers(found: _Found) -> tuple[str, ...]:
+    """Titles of the nodes that change a color on its way to the shader."""
+    return tuple(dict.fromkeys(node.bl_label for node in found.way if not node.mute and node.type not in _HARMLESS))
+
+
+def _mover(source: _Found) -> str:
+    """Title of a node that feeds a picture's coordinates if it makes others of the UV map, else ""."""
+    node = source.node
+    if node.mute or node.type in ("UVMAP", "REROUTE"):
+        return ""
+    if node.type == "TEX_COORD":
+        return "" if source.outlet.name == "UV" else f"{source.outlet.name} coordinates"
+    if node.type == "MAPPING":
+        same = {"Location": (0, 0, 0), "Rotation": (0, 0, 0), "Scale": (1, 1, 1)}
+        inputs = [socket for socket in node.inputs if socket.name in same and socket.enabled]
+        if all(not socket.is_linked and tuple(socket.default_value) == same[socket.name] for socket in inputs):
+            return ""
+    return str(node.bl_label)
+
+
+def _upstream(socket: bpy.types.NodeSocket, groups: Groups) -> Iterator[_Found]:
+    """Nodes that feed a socket, nearest first, each once.
 
     A mix's factor and a picture's coordinates are left out.
 
@@ -100,10 +162,11 @@ def _upstream(socket: bpy.types.NodeSocket, groups: Groups) -> Iterator[tuple[bp
         socket: an input.
         groups: the group nodes that the socket is in, the outermost first.
     """
-    waiting = _feeding(socket, groups)
+    waiting = _feeding(socket, groups, ())
     seen: set[tuple[str, ...]] = set()
     while waiting:
-        node, outlet, groups = waiting.pop(0)
+        found = waiting.pop(0)
+        node, outlet, groups = found.node, found.outlet, found.groups
         way = outlet.identifier if node.type in ("GROUP", "GROUP_INPUT") else ""
         place = (*(group.name for group in groups), node.name, way)
         if place in seen:
@@ -111,21 +174,25 @@ def _upstream(socket: bpy.types.NodeSocket, groups: Groups) -> Iterator[tuple[bp
         seen.add(place)
         if node.type == "GROUP" and node.node_tree:
             ends = [each for each in node.node_tree.nodes if each.type == "GROUP_OUTPUT" and each.is_active_output]
-            waiting[:0] = [each for end in ends for each in _feeding(_same(end.inputs, outlet), (*groups, node))]
+            inner = [_same(end.inputs, outlet) for end in ends]
+            waiting[:0] = [each for end in inner for each in _feeding(end, (*groups, node), found.way)]
         elif node.type == "GROUP_INPUT":
-            waiting[:0] = _feeding(_same(groups[-1].inputs, outlet), groups[:-1]) if groups else []
+            waiting[:0] = _feeding(_same(groups[-1].inputs, outlet), groups[:-1], found.way) if groups else []
         else:
-            yield node, groups
+            yield found
             if node.type != "TEX_IMAGE" and node.type not in COLOR_INPUT:
-                followed = [each for each in node.inputs if each.enabled and not each.name.startswith("Fac")]
-                waiting.extend(source for each in followed for source in _feeding(each, groups))
+                followed = [each for each in node.inputs if each.enabled and not _is_factor(each)]
+                waiting.extend(each for link in followed for each in _feeding(link, groups, (*found.way, node)))
 
 
-def _feeding(
-    socket: bpy.types.NodeSocket | None, groups: Groups
-) -> list[tuple[bpy.types.Node, bpy.types.NodeSocket, Groups]]:
-    """The nodes that a socket is linked to, the outputs that feed it, and the groups that all are in."""
-    return [(link.from_node, link.from_socket, groups) for link in socket.links] if socket else []
+def _is_factor(socket: bpy.types.NodeSocket) -> bool:
+    """Whether an input says how much of the others; that of a color ramp is what it makes colors of."""
+    return socket.name.startswith("Fac") and socket.node.type != "VALTORGB"
+
+
+def _feeding(socket: bpy.types.NodeSocket | None, groups: Groups, way: tuple[bpy.types.Node, ...]) -> list[_Found]:
+    """The nodes that a socket is linked to, at the end of a way."""
+    return [_Found(link.from_node, link.from_socket, groups, way) for link in socket.links] if socket else []
 
 
 def _same(sockets: bpy.types.NodeInputs, outlet: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:

@@ -15,8 +15,9 @@ from ...core.records import dataclass
 from ...core.settings import PrintSettings
 from ...core.texture.decode import color_tone
 from ..units import mm_per_unit
-from .base_color import BaseColor, base_color, chosen_color, picture_layer
+from .base_color import BaseColor, base_color, chosen_color, ignored_note, picture_layer
 from .image_input import image_tone
+from .metaballs import metaball_of
 from .printed_materials import printed_materials
 from .seam_visibility import painted_visibility
 
@@ -24,6 +25,7 @@ WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
 SUPPORT_ATTRIBUTE = "dualcolor_support"
 """Whole number of each face: above 0 it enforces supports, below 0 it blocks them."""
 NO_FACES_HINT = "choose a mesh with a closed surface; instances need Geometry Nodes' Realize Instances"
+CURVE_HINT = "give the curve an Extrude or a Bevel (Object Data > Geometry)"
 DISABLED_HINT = "turn on the screen icon of the object, or of its collection, in the outliner"
 UNWRAP_HINT = "unwrap it first (in Blender: Paint > Smart UV Project; on the command line: --unwrap smart)"
 
@@ -74,7 +76,7 @@ def surface_model(
         polygon_support=support,
         corner_visibility=None if weights is None else weights[corners.vertex][order],
         polygon_visibility=np.full(len(polygon_texture), len(textures), dtype=np.int64) if shown else None,
-        notes=_notes(obj, depsgraph),
+        notes=_notes(obj, depsgraph, [colors[number] for number in np.unique(slot).tolist()]),
     )
 
 
@@ -100,17 +102,25 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
     mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
         if mesh is None or not len(mesh.polygons):
-            raise MeshError(f"{obj.name} has no faces", NO_FACES_HINT)
+            raise _no_faces(obj, depsgraph.scene)
         yield mesh
     finally:
         evaluated.to_mesh_clear()
 
 
-def _notes(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> tuple[str, ...]:
-    """Warnings about parts that are visible on an object but not in its mesh."""
-    if obj.evaluated_get(depsgraph).evaluated_geometry().instances_pointcloud() is None:
-        return ()
-    return (f"instances on {obj.name} are not printed: use Geometry Nodes' Realize Instances",)
+def _no_faces(obj: bpy.types.Object, scene: bpy.types.Scene) -> MeshError:
+    whole = metaball_of(obj, scene)
+    if whole.name != obj.name:
+        return MeshError(f"{obj.name} is a part of the metaball {whole.name}", "choose that one: it has the surface")
+    return MeshError(f"{obj.name} has no faces", CURVE_HINT if obj.type == "CURVE" else NO_FACES_HINT)
+
+
+def _notes(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, colors: list[BaseColor]) -> tuple[str, ...]:
+    """Warnings about what is visible on an object but does not print: parts not in its mesh, colors made by nodes."""
+    notes = [note for note in map(ignored_note, colors) if note]
+    if obj.evaluated_get(depsgraph).evaluated_geometry().instances_pointcloud() is not None:
+        notes.append(f"instances on {obj.name} are not printed: use Geometry Nodes' Realize Instances")
+    return tuple(dict.fromkeys(notes))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from ...core.settings.printer import printer_profile
 from ...core.texture.decode import linear_from_srgb, srgb_from_linear
 from ...core.texture.grade import Grade, graded
 from ..bed import bounds_mm
-from ..input.base_color import BaseColor, base_color, chosen_color, picture_layer
+from ..input.base_color import BaseColor, base_color, chosen_color, ignored_note, picture_layer
 from ..input.image_input import image_colors, image_size
 from ..input.printed_materials import printed_materials
 from ..materials import new_material, picture_node
@@ -85,6 +85,13 @@ def _picture_color(obj: bpy.types.Object) -> BaseColor:
     if obj.dualcolor.image:
         return chosen_color(colors, obj.dualcolor.image, obj.data)
     return next((color for color in colors if color.image), BaseColor())
+
+
+def paint_note(obj: bpy.types.Object) -> str:
+    """A sentence about what the materials of an object show otherwise than it prints; empty if there is nothing."""
+    colors = [base_color(material) for material in printed_materials(obj)]
+    colors = [_picture_color(obj)] if obj.dualcolor.image else colors
+    return next(filter(None, map(ignored_note, colors)), "")
 
 
 def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bpy.types.Image) -> None:

@@ -149,6 +149,24 @@ def test_curves_and_text_have_a_surface_too():
     assert len(model_of(text).polygon_start) > 10
 
 
+def test_a_curve_without_width_is_told_what_gives_it_a_surface():
+    fresh()
+    bpy.ops.curve.primitive_bezier_circle_add()
+    with pytest.raises(MeshError, match=r"has no faces: give the curve an Extrude or a Bevel"):
+        model_of(bpy.context.object)
+
+
+def test_parts_of_a_metaball_name_the_one_that_has_the_surface():
+    fresh()
+    for place in (0, 1):
+        bpy.ops.object.metaball_add(location=(place, 0, 0))
+    part, whole = bpy.context.object, bpy.data.objects["Mball"]
+    bpy.context.view_layer.update()
+    assert len(model_of(whole).polygon_start) > 10 and part != whole
+    with pytest.raises(MeshError, match=r"Mball\.001 is a part of the metaball Mball: choose that one"):
+        model_of(part)
+
+
 @pytest.mark.parametrize("held", ["object", "collection"])
 def test_what_is_disabled_in_viewports_is_refused_since_blender_leaves_it_out(held):
     fresh()

@@ -97,3 +97,11 @@ def test_an_override_has_settings_of_its_own_that_are_saved_and_looks_that_come_
     group.show_print = False
     assert own.display_type == "TEXTURED" and not own.hide_render
     assert group.layer_height == pytest.approx(0.3) and group.perimeters == 3
+
+
+@pytest.mark.parametrize("action", ["generate", "analyze", "export_x3g", "scale_to_height"])
+def test_a_part_of_a_metaball_names_the_one_to_select(registered, action):
+    for place in (0, 1):
+        bpy.ops.object.metaball_add(location=(place, 0, 0))
+    with pytest.raises(RuntimeError, match="Select Mball first"):
+        getattr(bpy.ops.dualcolor, action)()
