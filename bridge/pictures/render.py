@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -33,6 +35,7 @@ BESIDE_THE_OBJECT = (
 """Features that are not of the object; all others are."""
 
 STUDIO_SIZE = 100.0
+_RENDER_SECONDS = 0.5  # between looks whether a render has ended
 _KINDS = ("scenes", "objects", "hair_curves", "meshes", "cameras", "lights", "worlds", "materials", "images")
 
 
@@ -51,7 +54,7 @@ class Photographer:
         self, scene: bpy.types.Scene, studio: Studio, painted: bpy.types.Object | None, mm: float, in_window: bool
     ) -> None:
         self._scene, self._studio, self._painted, self._mm = scene, studio, painted, mm
-        self._in_window = in_window
+        self._in_window, self._path = in_window, Path(scene.render.filepath)
         self._strands = [held for held in scene.objects if held.type == "CURVES"]
         self.mm_per_pixel = 0.0
 
@@ -78,18 +81,14 @@ class Photographer:
             held.hide_render = painted
         if self._painted:
             self._painted.hide_render = not painted
-        import tempfile
-
         from PIL import Image
 
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "picture.png"
-            self._scene.render.filepath = str(path)
-            yield from _rendered(self._scene, self._in_window)
-            if not path.is_file():
-                raise RenderStoppedError
-            with Image.open(path) as image:
-                return np.asarray(image.convert("RGB"))
+        self._path.unlink(missing_ok=True)
+        yield from _rendered(self._scene, self._in_window)
+        if not self._path.is_file():
+            raise RenderStoppedError
+        with Image.open(self._path) as image:
+            return np.asarray(image.convert("RGB"))
 
 
 @contextmanager
@@ -117,9 +116,12 @@ def photographer(
     Raises:
         PrintError: there are no strands to show.
     """
-    unit = mm_per_unit(bpy.context.scene)
-    with leaving_no_trace() as all_is_made:
+    import tempfile
+
+    unit, folder = mm_per_unit(bpy.context.scene), Path(tempfile.mkdtemp())
+    with leaving_no_trace(folder) as all_is_made:
         scene = bpy.data.scenes.new("Predicted Print")
+        scene.render.filepath = str(folder / "picture.png")
         points, factor = _copy_strands(collection, scene, whole_plate)
         painted = painted_model(model, background, factor / unit) if model else None
         if painted:
@@ -202,10 +204,11 @@ def _device() -> str:
 
 
 @contextmanager
-def leaving_no_trace() -> Iterator[Callable[[], None]]:
-    """Remove every datablock that is created inside, unless Blender is closed while it renders them.
+def leaving_no_trace(folder: Path | None = None) -> Iterator[Callable[[], None]]:
+    """Remove every datablock that is created inside, and a folder; what is being rendered still, once that has ended.
 
-    What is created after a call of the function that it gives stays.
+    So it is when the extension is disabled, or Blender closed, while it renders. What is created after a call of the
+    function that it gives stays.
     """
     before, made = _datablocks(), None
 
@@ -217,11 +220,24 @@ def leaving_no_trace() -> Iterator[Callable[[], None]]:
         yield all_is_made
     finally:
         made = _datablocks() - before if made is None else made
-        # Blender would wait for the end of a render whose scene is taken away, and the render for Blender.
-        for kind in () if bpy.app.is_job_running("RENDER") else _KINDS:
-            held = getattr(bpy.data, kind)
-            for each in [each for each in held if (kind, each.session_uid) in made]:
-                held.remove(each)
+        if (seconds := _removed(made, folder)) is not None:
+            bpy.app.timers.register(partial(_removed, made, folder), first_interval=seconds)
+
+
+def _removed(made: set[tuple[str, int]], folder: Path | None) -> float | None:
+    """Remove datablocks and a folder, or say in how many seconds it is to be tried again.
+
+    Blender would wait for the end of a render whose scene is taken away, and the render for Blender.
+    """
+    if bpy.app.is_job_running("RENDER"):
+        return _RENDER_SECONDS
+    for kind in _KINDS:
+        held = getattr(bpy.data, kind)
+        for each in [each for each in held if (kind, each.session_uid) in made]:
+            held.remove(each)
+    if folder:
+        shutil.rmtree(folder, ignore_errors=True)
+    return None
 
 
 def _datablocks() -> set[tuple[str, int]]:

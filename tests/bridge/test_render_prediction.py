@@ -1,6 +1,7 @@
 """Rendering the predicted print: what the picture shows, and that the scene stays as it was."""
 
 import struct
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -70,6 +71,21 @@ def test_what_the_user_makes_while_a_picture_is_taken_stays(scene):
         kept = bpy.data.objects.new("Mine", None)
         raise ZeroDivisionError
     assert datablocks() == before | {"objects": sorted([*before["objects"], kept.name])}
+
+
+def test_what_is_still_being_rendered_is_removed_once_that_has_ended(scene, monkeypatch, tmp_path):
+    before, rendering, waiting = datablocks(), [True], []
+    timers = SimpleNamespace(register=lambda action, first_interval: waiting.append(action))
+    app = SimpleNamespace(is_job_running=lambda _: rendering[0], timers=timers)
+    monkeypatch.setattr("dualcolor.bridge.pictures.render.bpy", SimpleNamespace(app=app, data=bpy.data))
+    folder = tmp_path / "pictures"
+    with leaving_no_trace(folder):
+        folder.mkdir()
+        bpy.data.scenes.new("Studio").collection.objects.link(bpy.data.objects.new("Lamp", None))
+    (again,) = waiting
+    assert again() > 0 and "Studio" in bpy.data.scenes and folder.exists()
+    rendering[0] = False
+    assert again() is None and datablocks() == before and not folder.exists()
 
 
 @pytest.mark.parametrize("azimuth", [-0.5, 2.0])
