@@ -14,7 +14,7 @@ from ..core.errors import SettingsError
 from ..core.settings import PrintSettings
 from .input.seam_visibility import visibility_names
 from .kept import kept_json
-from .proof.soft_proof import follow_paint, follow_settings
+from .proof.soft_proof import follow_paint, follow_settings, is_proofed
 from .strands.preview import is_print_shown, show_print
 from .units import LENGTH_DIGITS
 
@@ -121,6 +121,15 @@ def _settings_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Contex
         follow_settings(group.id_data, to_settings(group))
 
 
+@bpy.app.handlers.persistent
+def _undone(*_: object) -> None:
+    """After undo and redo."""
+    for obj in bpy.data.objects:
+        if obj.is_editable and is_proofed(obj):
+            with suppress(SettingsError):
+                follow_settings(obj, to_settings(obj.dualcolor), undone=True)
+
+
 def _image_changed(group: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     repaint_proof(group.id_data)
 
@@ -189,9 +198,13 @@ def register() -> None:
     """Give every object its settings."""
     bpy.utils.register_class(DualColorProperties)
     bpy.types.Object.dualcolor = bpy.props.PointerProperty(type=DualColorProperties, override=OVERRIDABLE)
+    for handlers in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post):
+        handlers.append(_undone)
 
 
 def unregister() -> None:
     """Take them away."""
+    for handlers in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post):
+        handlers.remove(_undone)
     del bpy.types.Object.dualcolor
     bpy.utils.unregister_class(DualColorProperties)

@@ -80,11 +80,17 @@ def hide_all_proofs() -> None:
             hide_proof(obj)
 
 
-def follow_settings(obj: bpy.types.Object, settings: PrintSettings) -> None:
-    """Bring the proof of an object, if it has one, up to its settings; a problem becomes its note."""
+def follow_settings(obj: bpy.types.Object, settings: PrintSettings, undone: bool = False) -> None:
+    """Bring the proof of an object, if it has one, up to its settings; a problem becomes its note.
+
+    Args:
+        obj: the object.
+        settings: its settings.
+        undone: they come from undo, which brings back all but the pixels of images.
+    """
     proofs = _proofs(obj)
     response = next((image for image in map(_response, proofs) if image), None)
-    if response is None or response.get(_STATE_KEY) == _state(settings):
+    if response is None or (response.get(_STATE_KEY) == _state(settings) and not undone):
         return
     try:
         table = proof_table(settings, tuple(response[_RANGE_KEY]))

@@ -149,6 +149,24 @@ def test_settings_and_picture_are_followed(registered):
     assert shown.image.name == "other"  # strokes go there, not to the table
 
 
+def test_settings_that_are_undone_and_redone_are_followed(registered):
+    dressed("one")
+    bpy.ops.ed.undo_push(message="a box")
+    bpy.ops.dualcolor.soft_proof("EXEC_DEFAULT", True)
+
+    def table():
+        return np.array(bpy.data.images["box Soft Proof"].pixels[:])[::4]
+
+    first = table()
+    bpy.ops.dualcolor.apply_preset("EXEC_DEFAULT", True, name="paper")
+    second = table()
+    assert second.shape != first.shape or np.abs(second - first).max() > 0.01
+    bpy.ops.ed.undo()
+    np.testing.assert_array_equal(table(), first)
+    bpy.ops.ed.redo()
+    np.testing.assert_array_equal(table(), second)
+
+
 def test_a_picture_without_uv_map_is_said_and_nothing_is_changed(registered):
     box = add_box((20, 20, 20))
     add_material(box, flat_image((1, 1, 1, 1)))
