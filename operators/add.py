@@ -18,6 +18,7 @@ from ..core.settings import PrintSettings
 from .add_figures import DUALCOLOR_OT_add_figure_cylinder, draw_figure_entries
 from .calibrate import DUALCOLOR_OT_add_calibration_tile
 from .polls import in_object_mode
+from .refusal import refused
 from .viewing import frame_selected, show_pictures
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr", ".tga", ".webp")
@@ -83,8 +84,7 @@ class _AddPicture(ImportHelper):
             picture = fitted(image, shape, auto_contrast=self.auto_contrast, frame_tone=self.frame_tone)
             obj = add_picture_object(picture, shape, f"{path.stem} {self.label}", settings)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         show_pictures(context)
         frame_selected(context)
         width, height = shape.size

@@ -18,6 +18,7 @@ from ..core.calibration.table import write_table
 from ..core.errors import PrintError
 from ..core.settings import PrintSettings
 from .polls import has_printable, in_object_mode
+from .refusal import refused
 from .viewing import frame_selected, show_pictures
 
 _CORNERS = ("upper left", "upper right", "lower right", "lower left")
@@ -42,8 +43,7 @@ class DUALCOLOR_OT_add_calibration_tile(bpy.types.Operator):
             settings = to_settings(source.dualcolor) if _is_printable(source) else PrintSettings()
             obj = add_calibration_tile(settings)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         show_pictures(context)
         frame_selected(context)
         self.report({"INFO"}, f"{obj.name}: print it, photograph it, then Read Calibration Photo")
@@ -62,8 +62,7 @@ class _ReadsPhoto:
             made = table_of_photo(path, to_settings(obj.dualcolor), given, as_stored=True)
             write_table(table_path, made.table)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         if is_calibration_tile(obj):
             done = f"{table_path.name} written: choose it as Calibration File of what you print"
         else:

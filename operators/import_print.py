@@ -10,6 +10,7 @@ from bpy_extras.io_utils import ImportHelper
 from ..bridge.strands.preview import build_preview
 from ..bridge.strands.print_file import read_print
 from ..core.errors import PrintError
+from .refusal import refused
 
 
 class DUALCOLOR_OT_import_print(ImportHelper, bpy.types.Operator):
@@ -26,8 +27,7 @@ class DUALCOLOR_OT_import_print(ImportHelper, bpy.types.Operator):
         try:
             read = read_print(Path(bpy.path.abspath(self.filepath)))
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         build_preview(read)
         self.report({"INFO"}, f"{read.name}: {read.summary}")
         return {"FINISHED"}

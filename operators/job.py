@@ -8,10 +8,10 @@ from inspect import GEN_CREATED, getgeneratorstate
 
 import bpy
 
-from ..bridge.properties import with_labels
 from ..core.errors import MeshError, PrintError
 from ..core.progress import Progress, drained
 from ..core.records import dataclass
+from .refusal import refused
 
 Steps = Generator[Progress, None, str]
 """A job that returns the message to report."""
@@ -51,8 +51,7 @@ class JobOperator:
         try:
             message = drained(self.steps(context), lambda step: manager.progress_update(100 * step[0]))
         except PrintError as problem:
-            self.report({"ERROR"}, with_labels(str(problem)))
-            return {"CANCELLED"}
+            return refused(self, problem)
         finally:
             manager.progress_end()
         self.report({self.outcome}, message)
@@ -88,7 +87,7 @@ class JobOperator:
             self.report({self.outcome}, finished.value)
             outcome = {"FINISHED"}
         except PrintError as problem:
-            self.report({"ERROR"}, with_labels(str(problem)))
+            refused(self, problem)
         except ReferenceError:  # how Blender tells that what a name stood for is gone
             self.report({"ERROR"}, "What the job worked on was deleted meanwhile: undo that, or choose another object")
         finally:

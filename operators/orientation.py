@@ -12,6 +12,7 @@ from ..core.errors import PrintError
 from .generate import active_model
 from .job import JobOperator, Steps
 from .polls import has_printable
+from .refusal import refused
 
 
 class DUALCOLOR_OT_suggest_orientation(JobOperator, bpy.types.Operator):
@@ -64,8 +65,7 @@ class DUALCOLOR_OT_apply_orientation(bpy.types.Operator):
         try:
             degrees = turn(obj, self.number)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         remove_analysis(obj)
         self.report({"INFO"}, f"{obj.name} turned by {degrees:.0f}°")
         return {"FINISHED"}

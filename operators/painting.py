@@ -23,6 +23,7 @@ from ..core.texture.decode import LUMINANCE
 from ..core.texture.grade import Grade
 from .job import JobOperator, Steps
 from .polls import has_own_mesh
+from .refusal import refused
 from .viewing import show_pictures
 
 
@@ -51,8 +52,7 @@ class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
             image = set_up_painting(obj, texel, obj.dualcolor.background_tone)
             repaint_proof(obj)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         self.report({"INFO"}, f"Painting on {image.name}, {image.size[0]} × {image.size[1]}")
         return {"FINISHED"}
 
@@ -99,8 +99,7 @@ class DUALCOLOR_OT_gray_from_color(bpy.types.Operator):
         try:
             made = gray_picture(former, grade)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         former.use_fake_user = True  # nothing else may hold it from here on
         exchange_picture(obj, former, made)
         show_pictures(context)

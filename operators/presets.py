@@ -26,6 +26,7 @@ from ..core.settings.presets import (
 )
 from .file_choice import FileChoice
 from .polls import has_own_settings, has_printable
+from .refusal import refused
 
 _KIND_ITEMS = [(kind, kind.title(), "") for kind in KINDS]
 
@@ -51,8 +52,7 @@ class _SettingsOperator:
         try:
             message = self.apply(source_of(context.object).dualcolor)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         self.report({"INFO"}, message)
         return {"FINISHED"}
 

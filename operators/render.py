@@ -18,6 +18,7 @@ from ..core.pictures.viewing import DISTANCES_MM, TURNTABLE, VIEWS, PictureOptio
 from ..core.strands.mesh_files import write_mesh
 from .file_choice import FileChoice, FileJob
 from .job import JobOperator, Steps
+from .refusal import refused
 from .viewing import show_file
 
 _VIEW_ITEMS = [
@@ -146,8 +147,7 @@ class DUALCOLOR_OT_export_strands(_ForStrands, FileChoice, bpy.types.Operator):
             with OutputFiles({"mesh": path}) as files:
                 write_mesh(files.staged("mesh"), rods_of(preview_of(source_of(context.object))))
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         self.report({"INFO"}, f"Saved {path.name}")
         return {"FINISHED"}
 

@@ -14,6 +14,7 @@ from ..bridge.strands.preview import source_of
 from ..bridge.units import LENGTH_DIGITS, mm_per_unit, use_millimeters
 from ..core.errors import PrintError
 from .polls import has_own_settings
+from .refusal import refused
 from .viewing import frame_selected
 
 _USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0
@@ -66,8 +67,7 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
         try:
             scale_to_height(obj, self.height)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         for other in context.scene.objects if self.scene_in_mm else ():
             repaint_proof(other)
         frame_selected(context)

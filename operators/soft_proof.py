@@ -10,6 +10,7 @@ from ..bridge.properties import to_settings
 from ..bridge.strands.preview import show_print
 from ..core.errors import PrintError
 from .polls import has_own_mesh
+from .refusal import refused
 
 
 class DUALCOLOR_OT_soft_proof(bpy.types.Operator):
@@ -36,8 +37,7 @@ of that slope can show, striped where it is too flat for tones. Press again to s
         try:
             show_proof(obj, to_settings(obj.dualcolor))
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         show_print(obj, False)  # its strands would stand in front
         show_materials(context)
         for note in proof_notes(obj):

@@ -15,6 +15,7 @@ from ..core.errors import PrintError
 from ..core.mesh.unwrapping import ChartOptions, PackOptions
 from .job import JobOperator, Steps
 from .polls import has_own_mesh
+from .refusal import refused
 
 
 @cache
@@ -106,8 +107,7 @@ class DUALCOLOR_OT_unwrap_smart(bpy.types.Operator):
         try:
             smart_project(context.object)
         except PrintError as problem:
-            self.report({"ERROR"}, str(problem))
-            return {"CANCELLED"}
+            return refused(self, problem)
         repaint_proof(context.object)
         return {"FINISHED"}
 

@@ -74,7 +74,7 @@ class DUALCOLOR_PT_presets(ObjectPanel, bpy.types.Panel):
             row = row.row(align=True)
             short = f"{labels[0]} + {len(labels) - 1} more" if len(labels) > 1 else "".join(labels)
             text = fitting(context, " + ".join(labels), short, _MENU_SHARE)
-            row.menu(f"DUALCOLOR_MT_{kind}_presets", text=text or "Custom")
+            row.menu(f"DUALCOLOR_MT_{kind}_presets", text=text or "Custom", translate=not text)
             row.operator(DUALCOLOR_OT_save_preset.bl_idname, text="", icon="ADD").kind = kind
             if own:
                 button = row.operator(DUALCOLOR_OT_remove_preset.bl_idname, text="", icon="REMOVE")

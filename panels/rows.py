@@ -38,7 +38,7 @@ def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, text: 
     column.scale_y = 0.8
     width, scale = context.region.width, context.preferences.system.ui_scale
     for number, line in enumerate(wrapped(with_labels(text), width, scale)):
-        column.label(text=line, icon="BLANK1" if number else icon)
+        column.label(text=line, icon="BLANK1" if number else icon, translate=False)
 
 
 def draw_figures(layout: bpy.types.UILayout, figures: Iterable[tuple[str, str]], factor: float) -> None:
@@ -47,7 +47,7 @@ def draw_figures(layout: bpy.types.UILayout, figures: Iterable[tuple[str, str]],
     for label, value in figures:
         row = table.split(factor=factor)
         row.label(text=label)
-        row.label(text=value)
+        row.label(text=value, translate=False)
 
 
 def draw_outdated(layout: bpy.types.UILayout, report: dict[str, Any], group: bpy.types.PropertyGroup) -> None:

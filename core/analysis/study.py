@@ -26,7 +26,7 @@ from ..texture.pyramid import build_pyramids
 from .orientation import Orientation, suggested
 from .tracelines import Tracelines, tracelines
 
-NO_SEAMS = "the pattern `offset` has no waves, so there are no seams to show: choose the preset paper or waves_set_back"
+NO_SEAMS = "the pattern offset has no waves, so there are no seams to show: choose another pattern to see its seams"
 _LEAST_SWING_MM = 0.05
 
 

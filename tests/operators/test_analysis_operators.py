@@ -40,7 +40,7 @@ class Recorder:
     def __init__(self):
         self.texts, self.operators, self.icons = [], [], []
 
-    def label(self, text="", icon="NONE", icon_value=0):
+    def label(self, text="", icon="NONE", icon_value=0, translate=True):
         self.texts.append(text)
         self.icons.append(icon)
 
@@ -51,7 +51,7 @@ class Recorder:
     def prop(self, data, name, **shown):
         assert name in data.bl_rna.properties
 
-    def operator(self, name, icon="NONE"):
+    def operator(self, name, text="", icon="NONE"):
         self.operators.append(name)
         self.icons.append(icon)
         return SimpleNamespace()

@@ -29,6 +29,7 @@ def traces() -> set[str]:
     menus = [getattr(bpy.types, name) for name in (*names_of_menus, "IMAGE_MT_image")]
     entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()]
     entries += [*bpy.app.handlers.load_pre, *bpy.app.handlers.depsgraph_update_post]
+    entries += [*bpy.app.handlers.undo_post, *bpy.app.handlers.redo_post]
     return names | {str(entry) for entry in entries if entry.__module__.startswith("dualcolor")}
 
 
@@ -230,3 +231,10 @@ def test_export_buttons_name_the_printer_and_are_told_apart_in_a_narrow_sidebar(
     assert export_texts(wide, "replicator_2x") == two
     assert export_texts(narrow, "replicator_2x") == {"x3g": "Export X3G", "gcode": "Export G-code"}
     assert export_texts(wide, "marlin_dual") == {"gcode": "Export Marlin Dual G-code"}
+
+
+def test_errors_of_all_operators_name_settings_as_the_sidebar_does(block):
+    block.dualcolor.wave_depth_min, block.dualcolor.wave_depth_max = 0.7, 0.3
+    for action in ("generate", "soft_proof", "add_calibration_tile"):
+        with pytest.raises(RuntimeError, match="Wave Depth Min"):
+            getattr(bpy.ops.dualcolor, action)()

@@ -46,7 +46,7 @@ class Layout:
     def label(self, text):
         self.drawn.append(text)
 
-    def menu(self, name, text="", icon=""):
+    def menu(self, name, text="", icon="", translate=True):
         self.drawn.append((name, text))
 
     def operator(self, name, text="", icon="", translate=True):
@@ -138,7 +138,7 @@ def test_a_broken_file_of_the_users_is_shown_and_does_no_harm(block, tmp_path):
     with pytest.raises(RuntimeError, match=r"odd\.json is not JSON"):
         bpy.ops.dualcolor.apply_preset(name="odd")
     (tmp_path / "presets/filament/odd.json").write_text('{"settings": {"nozzle_temperature_0": 900}}')
-    with pytest.raises(RuntimeError, match="nozzle_temperature_0 = 900 is outside"):
+    with pytest.raises(RuntimeError, match="Nozzle Temperature 0 = 900 is outside"):
         bpy.ops.dualcolor.apply_preset(name="odd")
     assert to_settings(block.dualcolor) == PrintSettings()
 
