@@ -10,18 +10,21 @@ import bpy
 
 from ..bridge.properties import values_of, with_labels
 from ..operators.job import JobOperator
+from .in_use import in_use
 from .sections import Section
 
 
 def draw_settings(layout: bpy.types.UILayout, obj: bpy.types.Object, section: Section) -> None:
-    """The settings of a section, one a row."""
+    """The settings of a section, one a row; gray where they do nothing beside the others."""
     column = layout.column()
     for name in section.settings:
         declared = obj.dualcolor.bl_rna.properties[name]
+        row = column.row()
+        row.active = in_use(obj.dualcolor, name)
         if declared.type != "ENUM":
-            column.prop(obj.dualcolor, name, text=label_with_unit(declared, bpy.context.scene))
+            row.prop(obj.dualcolor, name, text=label_with_unit(declared, bpy.context.scene))
             continue
-        row = column.split(factor=0.4)  # numbers have their names inside the field, choices beside it
+        row = row.split(factor=0.4)  # numbers have their names inside the field, choices beside it
         row.label(text=declared.name)
         row.prop(obj.dualcolor, name, text="")
 

@@ -15,6 +15,7 @@ _SELECT = {SupportMark.ENFORCER: "Select Enforced", SupportMark.BLOCKER: "Select
 def draw_supports(layout: bpy.types.UILayout, obj: bpy.types.Object) -> None:
     """Enforcers and blockers of an object."""
     column = layout.column()
+    column.active = obj.dualcolor.support_enable
     for name in COLLECTIONS.values():
         column.prop(obj.dualcolor, name)
     column = layout.column(align=True)
