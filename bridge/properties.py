@@ -19,7 +19,9 @@ from .strands.preview import is_print_shown, show_print
 from .units import LENGTH_DIGITS
 
 _REPORTED = ("bounds_mm", "layers", "time_s", "filament", "settings", "warnings")
-_LABELS = {declared.name: declared.name.replace("_", " ").title() for declared in fields(PrintSettings)}
+_SPELLED = {"Xy": "XY", "Dont": "Don't", "Toolchange": "Tool Change"}
+_TITLES = {declared.name: declared.name.replace("_", " ").title().split() for declared in fields(PrintSettings)}
+_LABELS = {name: " ".join(_SPELLED.get(word, word) for word in words) for name, words in _TITLES.items()}
 _NAMES = re.compile(rf"\b({'|'.join(name for name in _LABELS if '_' in name)})\b")
 _SEARCHED = {"seam_visibility": visibility_names}
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
@@ -30,7 +32,7 @@ FLOAT_DIGITS = 6
 
 def label_of(declared: Field[Any]) -> str:
     """A setting's name in title case; with its unit unless the field itself shows it."""
-    title = declared.name.replace("_", " ").title()
+    title = _LABELS[declared.name]
     unit = declared.metadata["unit"]
     return f"{title} ({unit})" if unit not in ("", "mm", "%") else title
 

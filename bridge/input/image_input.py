@@ -13,7 +13,6 @@ from ...core.errors import TextureError
 from ...core.model import Float32Array, ToneImage
 from ...core.texture.decode import tone_image
 from ...core.texture.exif_orientation import orientation_of_file, upright
-from ...core.texture.grade import linear_colors
 from ...core.texture.image_size import check_texels, texels, texels_of_file
 from ..quiet import quiet_stderr
 
@@ -64,18 +63,8 @@ def image_tone(image: bpy.types.Image) -> ToneImage:
     Raises:
         TextureError: the image has no pixels, is made of UDIM tiles, or moves.
     """
-    rgba, encoded, premultiplied = _stored_pixels(image)
+    rgba, encoded, premultiplied = stored_pixels(image)
     return tone_image(rgba, encoded_srgb=encoded, premultiplied=premultiplied)
-
-
-def image_colors(image: bpy.types.Image) -> tuple[Float32Array, Float32Array]:
-    """(H, W, 3) linear colors and (H, W) alpha of a Blender image, as it is now.
-
-    Raises:
-        TextureError: the image has no pixels, is made of UDIM tiles, or moves.
-    """
-    rgba, encoded, premultiplied = _stored_pixels(image)
-    return linear_colors(rgba, encoded, premultiplied), np.clip(rgba[..., 3], 0.0, 1.0)
 
 
 def image_size(image: bpy.types.Image) -> tuple[int, int]:
@@ -116,8 +105,14 @@ def is_encoded(image: bpy.types.Image) -> bool:
     return not (image.is_float or space in RAW_COLOR_SPACES or space.startswith("Linear"))
 
 
-def _stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
-    """(H, W, 4) as stored, whether colors are sRGB-encoded, and whether they are multiplied by alpha."""
+def stored_pixels(image: bpy.types.Image) -> tuple[Float32Array, bool, bool]:
+    """(H, W, 4) as stored, whether colors are sRGB-encoded, and whether they are multiplied by alpha.
+
+    An alpha that is ignored or used for something else is 1.
+
+    Raises:
+        TextureError: the image has no pixels, is made of UDIM tiles, or moves.
+    """
     rgba = _as_rgba(image_pixels(image))
     covers = image.alpha_mode in ("STRAIGHT", "PREMUL")
     if not covers:

@@ -13,6 +13,7 @@ from ...core.errors import MeshError, TextureError
 from ...core.model import Float32Array
 from ...core.progress import drained
 from ...core.texture.decode import linear_from_srgb, srgb_from_linear
+from ...core.texture.grade import bands
 from ..input.image_input import image_pixels, is_encoded
 from ..input.mesh_input import NO_FACES_HINT
 from ..materials import new_material
@@ -88,8 +89,11 @@ def darkened(image: bpy.types.Image, shade: Float32Array, strength: float) -> bp
     if pixels.shape[:2] != shade.shape:
         raise TextureError(f"the image {image.name} was resized while it was worked on", "start again")
     colors = pixels[..., : 3 if pixels.shape[2] > 2 else 1]
-    light = (1.0 - strength * (1.0 - shade))[..., None]
-    colors[:] = srgb_from_linear(linear_from_srgb(colors) * light) if is_encoded(image) else colors * light
+    encoded = is_encoded(image)
+    for band in bands(pixels):
+        light = (1.0 - strength * (1.0 - shade[band]))[..., None]
+        lit = linear_from_srgb(colors[band]) if encoded else colors[band]
+        colors[band] = srgb_from_linear(lit * light) if encoded else lit * light
     made = image.copy()
     made.name = f"{image.name} Occlusion"
     made.pixels.foreach_set(pixels.ravel())

@@ -14,7 +14,7 @@ from ...core.texture.decode import linear_from_srgb, srgb_from_linear
 from ...core.texture.grade import Grade, graded
 from ..bed import bounds_mm
 from ..input.base_color import BaseColor, base_color, chosen_color, ignored_note, picture_layer
-from ..input.image_input import image_colors, image_size
+from ..input.image_input import image_size, stored_pixels
 from ..input.printed_materials import printed_materials
 from ..materials import new_material, picture_node
 from ..units import mm_per_unit
@@ -154,12 +154,12 @@ def gray_picture(image: bpy.types.Image, grade: Grade) -> bpy.types.Image:
     Raises:
         TextureError: the picture has no pixels, or the grade makes no sense.
     """
-    linear, alpha = image_colors(image)
-    gray = graded(linear, alpha, grade)
+    pixels, encoded, premultiplied = stored_pixels(image)
+    gray = graded(pixels, grade, encoded, premultiplied)
     height, width = gray.shape
     made = bpy.data.images.new(f"{image.name} Gray", width, height, alpha=True)
-    pixels = np.repeat(gray[..., None], 4, axis=2).astype(np.float32)
-    pixels[..., 3] = alpha
+    pixels[..., :3] = gray[..., None]
+    np.clip(pixels[..., 3], 0.0, 1.0, out=pixels[..., 3])
     made.pixels.foreach_set(pixels.ravel())
     made.pack()
     return made

@@ -1,12 +1,14 @@
 """From a bare mesh to a picture that can be painted on, and from a colored picture to a gray one."""
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy")
 
+from dualcolor.bridge.paint.ambient_occlusion import darkened  # noqa: E402
 from dualcolor.bridge.paint.painting import picture_of, picture_size  # noqa: E402
 from dualcolor.bridge.paint.unwrap import unwrap  # noqa: E402
 from dualcolor.core.errors import MeshError, TextureError  # noqa: E402
@@ -21,16 +23,21 @@ def test_srgb_there_and_back():
     np.testing.assert_allclose(linear_from_srgb(srgb_from_linear(light)), light, atol=1e-7)
 
 
+def rgba(colors, alpha=None):
+    alpha = np.ones(colors.shape[:2]) if alpha is None else alpha
+    return np.dstack([colors, alpha]).astype(np.float32)
+
+
 def test_channel_mix_takes_the_channel_asked_for():
     colors = np.random.default_rng(1).random((6, 7, 3)).astype(np.float32)
-    gray = graded(colors, np.ones((6, 7), np.float32), Grade((0.0, 2.0, 0.0), auto_contrast=False))
+    gray = graded(rgba(colors), Grade((0.0, 2.0, 0.0), auto_contrast=False))
     np.testing.assert_allclose(linear_from_srgb(gray), colors[..., 1], atol=1e-6)
 
 
 def test_levels_and_gamma():
     encoded = np.linspace(0, 1, 11)
     colors = np.repeat(linear_from_srgb(encoded)[None, :, None], 3, axis=2).astype(np.float32)
-    gray = graded(colors, np.ones((1, 11), np.float32), Grade(black=0.2, white=0.8, gamma=2.0, auto_contrast=False))
+    gray = graded(rgba(colors), Grade(black=0.2, white=0.8, gamma=2.0, auto_contrast=False))
     np.testing.assert_allclose(gray[0], np.clip((encoded - 0.2) / 0.6, 0, 1) ** 0.5, atol=1e-5)
 
 
@@ -39,16 +46,32 @@ def test_auto_contrast_fills_the_range_and_ignores_what_is_not_painted():
     colors[:, :10] = 0.4
     alpha = np.ones((20, 20), dtype=np.float32)
     colors[0], alpha[0] = 1.0, 0.0
-    gray = graded(colors, alpha, Grade())
+    gray = graded(rgba(colors, alpha), Grade())
     assert gray[1:, :10].min() == 1.0 and gray[1:, 10:].max() == 0.0
 
 
 def test_a_grade_that_makes_no_sense_is_said():
-    colors, alpha = np.full((2, 2, 3), 0.3, dtype=np.float32), np.ones((2, 2), np.float32)
+    pixels = rgba(np.full((2, 2, 3), 0.3))
     with pytest.raises(TextureError, match="black level"):
-        graded(colors, alpha, Grade(black=0.7, white=0.7, auto_contrast=False))
+        graded(pixels, Grade(black=0.7, white=0.7, auto_contrast=False))
     with pytest.raises(TextureError, match="channel mix"):
-        graded(colors, alpha, Grade((1.0, -1.0, 0.0)))
+        graded(pixels, Grade((1.0, -1.0, 0.0)))
+
+
+def test_large_pictures_are_graded_and_darkened_in_little_memory(registered):
+    pixels = np.random.default_rng(2).random((2048, 1024, 4)).astype(np.float32)
+    image = bpy.data.images.new("large", 1024, 2048, alpha=True)
+    shade = np.full((2048, 1024), 0.5, dtype=np.float32)
+    tracemalloc.start()
+    try:
+        graded(pixels, Grade(), encoded_srgb=True)
+        graded_peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.reset_peak()
+        darkened(image, shade, 1.0)
+        darkened_peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert graded_peak < 1.2 * pixels.nbytes and darkened_peak < 2.2 * pixels.nbytes  # the latter holds the pixels too
 
 
 def test_picture_has_texels_no_larger_than_asked(registered):

@@ -24,7 +24,7 @@ def group(scene):
 
 def test_sentences_name_settings_as_the_sidebar_does():
     said = "thicken it, lower extrusion_width, or set support_xy_distance to 1 mm; speed and a wipe stay"
-    wanted = "thicken it, lower Extrusion Width, or set Support Xy Distance to 1 mm; speed and a wipe stay"
+    wanted = "thicken it, lower Extrusion Width, or set Support XY Distance to 1 mm; speed and a wipe stay"
     assert properties.with_labels(said) == wanted
     assert properties.label_of(PrintSettings.__dataclass_fields__["brim_width"]) == properties.with_labels("brim_width")
 
