@@ -123,7 +123,8 @@ def stretches(moves: Moves, seconds: FloatArray) -> tuple[Moves, FloatArray]:
         begins[1:] |= column[1:] != column[:-1]
     first = np.flatnonzero(begins)
     last = np.append(first[1:], len(begins))[: len(first)] - 1
-    rows = Moves(*(getattr(moves, column.name)[last] for column in fields(Moves)))
+    # Axis by axis, as the table is in memory.
+    rows = Moves(*(getattr(moves, column.name).T.take(last, axis=-1).T for column in fields(Moves)))
     return replace(rows, filament=np.add.reduceat(moves.filament, first)), np.add.reduceat(seconds, first)
 
 

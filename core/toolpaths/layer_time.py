@@ -115,9 +115,11 @@ def _common_speed(of: IntArray, way: FloatArray, speed: FloatArray, needed: Floa
         speed: (N,) mm/s, of the lines without the limit.
         needed: (C,) s, more than they take at these.
     """
-    common = np.bincount(of, way, len(needed)) / needed
+    common, held = np.bincount(of, way, len(needed)) / needed, np.zeros(len(way), dtype=bool)
     for _ in range(_LEVELS):
-        held = speed > common[of]
+        before, held = held, speed > common[of]
+        if (held == before).all():
+            break
         rest = needed - np.bincount(of[~held], (way / speed)[~held], len(needed))
         together = np.bincount(of[held], way[held], len(needed))
         np.divide(together, rest, out=common, where=together > common * rest)

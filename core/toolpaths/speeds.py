@@ -24,7 +24,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
-from ..parallel import in_chunks
+from ..parallel import CHUNK_ROWS, in_chunks
 from ..paths import Feature
 from ..ragged import summable
 from ..settings import PrintSettings
@@ -54,31 +54,31 @@ def extrusion_speeds(
     traveled = np.zeros(len(length) + 1)
     np.cumsum(length, out=traveled[1:])
     queue, seconds = settings.printer_profile.queue_moves, settings.min_move_time / 1000
-    count = np.diff(paths.start)
-
-    def chunk(chord: IntArray, path: IntArray, own: FloatArray, wanted: FloatArray) -> tuple[FloatArray]:
-        """The speeds of some chords that follow each other, by their lengths and the speeds asked for."""
-        limit = curve_limit(paths, length, chord, settings.max_curve_acceleration)
-        here = slice(int(chord[0]), int(chord[-1]) + 1)
+    speed = np.repeat(asked, np.diff(paths.start))
+    if paths.over_air is not None and settings.overhang_speed:
+        np.minimum(speed, settings.overhang_speed, out=speed, where=paths.over_air)
+    for begin in range(0, len(speed), CHUNK_ROWS):
+        here = slice(begin, min(begin + CHUNK_ROWS, len(speed)))
+        wanted, path = speed[here], _paths_of(paths.start, here)
+        limit = curve_limit(paths, length, here, settings.max_curve_acceleration)
         # A chord that takes its time at the speed asked for is never a burden, whatever its neighbors are.
-        short = np.flatnonzero(own < wanted * seconds)
-        rate = move_time_limit(paths, traveled, chord[short], path[short], seconds, queue)
+        short = np.flatnonzero(length[here] < wanted * seconds)
+        rate = move_time_limit(paths, traveled, short + begin, path[short], seconds, queue)
         limit[short] = np.minimum(limit[short], rate)
         if settings.max_volumetric_speed > 0:
             section = paths.width[here] * fed.take(path)
             much = np.flatnonzero(section * wanted > settings.max_volumetric_speed)
             limit[much] = np.minimum(limit[much], settings.max_volumetric_speed / section[much])
         slow = np.flatnonzero(limit < wanted)
-        speed = wanted.copy()
         stepped = np.maximum(np.floor(limit[slow] / _STEP_MM_S + 1e-6) * _STEP_MM_S, _SLOWEST_MM_S)
-        speed[slow] = np.minimum(stepped, wanted[slow])
-        return (speed,)
+        wanted[slow] = np.minimum(stepped, wanted[slow])
+    return speed
 
-    path_of_point, asked_of_point = np.repeat(np.arange(len(count)), count), np.repeat(asked, count)
-    if paths.over_air is not None and settings.overhang_speed:
-        slow = np.minimum(asked_of_point, settings.overhang_speed)
-        asked_of_point = np.where(paths.over_air, slow, asked_of_point)
-    return in_chunks(chunk, np.arange(len(length)), path_of_point, length, asked_of_point, threads=False)[0]
+
+def _paths_of(start: IntArray, here: slice) -> IntArray:
+    """The path of each of some points that follow each other."""
+    first, last = np.searchsorted(start, (here.start, here.stop - 1), side="right") - 1
+    return np.repeat(np.arange(first, last + 1), np.diff(start[first : last + 2].clip(here.start, here.stop)))
 
 
 def feature_speeds(settings: PrintSettings) -> FloatArray:
@@ -107,7 +107,7 @@ def _distances(near: FloatArray, far: FloatArray) -> tuple[FloatArray]:
     return (summable(np.sqrt(x * x + y * y)),)
 
 
-def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, acceleration: float) -> FloatArray:
+def curve_limit(paths: OrderedPaths, length: FloatArray, here: slice, acceleration: float) -> FloatArray:
     """(C,) mm/s at which a chord's sharper end takes all of the acceleration (mm/s²): v² · curvature = acceleration.
 
     The curvature at a point is the turn there over the mean of both chords, so a corner between long lines, which the
@@ -116,11 +116,11 @@ def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, accele
     Args:
         paths: in printing order.
         length: (N,) mm from each point to the next.
-        chord: (C,) points that follow each other, at which the chords begin.
+        here: the points at which the chords begin.
         acceleration: mm/s².
     """
     # A corner at both ends of every chord, and a chord on both sides of each corner.
-    begin, end = int(chord[0]) - 1, int(chord[-1]) + 2
+    begin, end = here.start - 1, here.stop + 1
     inside = slice(max(begin, 0), min(end, len(length) - 1))
     corner = np.full(end - begin, np.inf)
     around = paths.points[inside.start : inside.stop + 1].T
@@ -135,7 +135,7 @@ def curve_limit(paths: OrderedPaths, length: FloatArray, chord: IntArray, accele
     np.divide(acceleration / 2 * (way[:-1] + way[1:]), tightness, out=tightness)
     first = inside.start - begin
     corner[first : first + len(turn)] = np.sqrt(tightness, out=tightness)
-    return np.asarray(np.minimum(corner[: len(chord)], corner[1 : len(chord) + 1]))
+    return np.asarray(np.minimum(corner[:-2], corner[1:-1]))
 
 
 def move_time_limit(
