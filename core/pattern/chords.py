@@ -8,7 +8,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import ranges
 
 # Lines are cut into pieces of about so many points, of which so many are walked along at once.
-PIECE_POINTS, PIECES_AT_ONCE = 64, 1 << 12
+PIECE_POINTS, PIECES_AT_ONCE = 64, 1 << 13
 
 
 def chord_ends(points: FloatArray, first: IntArray, count: IntArray, last: IntArray, tolerance: float) -> BoolArray:
