@@ -106,8 +106,9 @@ def _near(
     wanted = _facing().take(held)
     grid = PointGrid(middle.T, layer[faced], max(inside, outside) / 2 + spread)
     other, group = grid.candidates(middle.T, layer[faced], rings=2)
-    kept = np.flatnonzero(np.repeat(wanted, np.diff(group)) & held.take(other))
-    this, other = np.repeat(np.arange(len(faced)), np.diff(group))[kept], other[kept]
+    this = np.repeat(np.arange(len(faced)), np.diff(group))
+    kept = np.flatnonzero(wanted.take(this) & held.take(other))
+    this, other = this.take(kept), other.take(kept)
     points, normal = (rows.reshape(2, -1, BLOCK).take(faced, axis=1) for rows in (points, normal))
     found = [_reached(points - normal * (inside / 2), inside / 2 + spread, middle, this, other)]
     if outside:
@@ -141,7 +142,7 @@ def _reached(
     apart = np.sqrt(_of_blocks(np.maximum, dot(off, off).ravel()))
     away = middle.take(other, axis=1) - usual.take(this, axis=1)
     kept = np.flatnonzero(dot(away, away) <= (radius + apart.take(this)) ** 2)
-    this, other = this[kept], other[kept]
+    this, other = this.take(kept), other.take(kept)
     off = middle.take(other, axis=1)[:, :, None] - center.take(this, axis=1)
     pair, number = np.nonzero(dot(off, off) <= radius**2)
     return this[pair], number, other[pair]
@@ -215,8 +216,9 @@ def _pieces(
     seen[block] = True
     corner = BLOCK * np.flatnonzero(seen)[:, None] + np.arange(BLOCK)
     first, last = corner[:, 0], after[corner[:, -1]]
-    chord = points[:, last] - points[:, first]
-    off = cross(points[:, corner] - points[:, first, None], chord[:, :, None])
+    origin = points.take(first, axis=1)
+    chord = points.take(last, axis=1) - origin
+    off = cross(points.take(corner, axis=1) - origin[:, :, None], chord[:, :, None])
     straight = np.abs(off).max(axis=1) < STRAIGHT * np.sqrt(dot(chord, chord))
     count = np.where(straight, 1, BLOCK)
     begin = ranges(first, count)
@@ -239,7 +241,7 @@ def _across(
     # The piece's own normal is (y, -x) of its direction.
     turn = cross(direction.take(piece, axis=1), normal.take(point, axis=1))
     facing = np.flatnonzero(turn > -FACING)
-    point, piece, turn = point[facing], piece[facing], turn[facing]
+    point, piece, turn = point.take(facing), piece.take(facing), turn.take(facing)
     along, out = direction.take(piece, axis=1), normal.take(point, axis=1)
     away = begin.take(piece, axis=1) - points.take(point, axis=1)
     # The line through the piece is as far away as this, before or behind the point.

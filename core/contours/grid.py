@@ -62,10 +62,9 @@ class PointGrid:
             first = np.searchsorted(self.keys, row - rings, side="left")
             count = np.searchsorted(self.keys, row + rings, side="right") - first
         else:
-            cells = len(self.begin) - 1
-            first = self.begin[np.clip(row - rings, 0, cells)]
-            count = self.begin[np.clip(row + rings + 1, 0, cells)] - first
-        found = self.order[ranges(first.ravel(), count.ravel())]
+            first = self.begin.take(row - rings, mode="clip")
+            count = self.begin.take(row + rings + 1, mode="clip") - first
+        found = self.order.take(ranges(first.ravel(), count.ravel()))
         return found, starts(count.sum(axis=1))
 
 
