@@ -62,7 +62,7 @@ class Contours:
         arc: (N,) mm, increasing; the loop's own arc length plus `arc_start` of its loop.
         arc_start: (M + 1,) mm.
         face: (N,) int64, the face of the mesh at each point.
-        carried: (N, 3) u, v and vertex tone at each point.
+        carried: (N, C) u, v and, where the mesh has any, vertex tone at each point.
         width: (N,) mm, line width: the one of the layer, less where the wall is thin.
         room_inside: (N,) mm, how far the line may be moved inwards without meeting anything; no more than `Reach`.
         room_outside: (N,) mm, the same outwards; with `hide_seams` up to `OPEN_AIR`.
@@ -131,7 +131,7 @@ def contours(
     reach = reach or reach_of(settings)
     even = even_points(outlines, settings.wavelength / POINTS_PER_WAVELENGTH, BLOCK)
     count, start, layer = int(even.start[-1]), even.start, outlines.layer
-    step, face, carried = np.empty(count), np.empty(count, dtype=np.int64), np.empty((3, count))
+    step, face, carried = np.empty(count), np.empty(count, dtype=np.int64), np.empty((outlines.carried.shape[2], count))
     points, normal = np.empty((2, count)), np.empty((2, count))
     lines = Contours(
         points=points.T,  # in rows: whoever takes coordinates one after the other finds them side by side

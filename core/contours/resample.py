@@ -71,7 +71,7 @@ def resampled(
         first: number of a loop.
         last: likewise.
         face: (N,) output, the face of each.
-        carried: (3, N) output, the values that it carries.
+        carried: (C, N) output, the values that it carries.
 
     Returns:
         (2, N) mm.
@@ -87,11 +87,7 @@ def resampled(
         np.multiply(along.take(segment), share, out=row)
         row += corner.take(segment)
     columns = outlines.carried[among].transpose(2, 1, 0)
-    carried[len(columns) :] = np.nan  # a tone or none
-    for row, ends in zip(carried, columns, strict=False):
-        if len(segment) and np.isnan(ends[0, 0]) and np.isnan(ends[0]).all():
-            row[:] = np.nan
-            continue
+    for row, ends in zip(carried, columns, strict=True):
         np.multiply((ends[1] - ends[0]).take(segment), share, out=row)
         row += ends[0].take(segment)
     face[:] = outlines.face[among].take(segment)

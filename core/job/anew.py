@@ -83,7 +83,8 @@ def _put(former: Any, parts: list[Any], fresh: BoolArray, lines: Contours) -> An
 
 def painted_tone(pyramids: TexturePyramids, lines: Contours, settings: PrintSettings) -> FloatArray:
     """(N,) tone of the pictures at every contour point."""
-    return tone_at(pyramids, lines.face, lines.carried[:, :2], lines.carried[:, 2], settings.background_tone)
+    own = lines.carried[:, 2] if lines.carried.shape[1] > 2 else None
+    return tone_at(pyramids, lines.face, lines.carried[:, :2], own, settings.background_tone)
 
 
 def print_tones(tone: FloatArray, slant_deg: FloatArray, lines: Contours, curve: ToneCurve | None) -> FloatArray:

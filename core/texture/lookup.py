@@ -16,7 +16,7 @@ _NO_WEIGHT = 1e-6  # below this total weight the taps have no value
 
 
 def tone_at(
-    pyramids: TexturePyramids, face: IntArray, uv: FloatArray, vertex_tone: FloatArray, background_tone: float
+    pyramids: TexturePyramids, face: IntArray, uv: FloatArray, vertex_tone: FloatArray | None, background_tone: float
 ) -> FloatArray:
     """Tone of N points of the surface, averaged over the footprint that the pyramids were built for.
 
@@ -27,14 +27,15 @@ def tone_at(
         pyramids: from `build_pyramids`, of the mesh that the faces belong to.
         face: (N,) the face that each point lies on.
         uv: (N, 2).
-        vertex_tone: (N,) tone from a color attribute, for points without a texture; NaN for none.
+        vertex_tone: (N,) tone from a color attribute, for points without a texture; NaN or None for none.
         background_tone: where nothing is painted.
 
     Returns:
         (N,) 0 to 1.
     """
     tone = np.full(len(face), background_tone)
-    np.copyto(tone, vertex_tone, where=np.isfinite(vertex_tone))
+    if vertex_tone is not None:
+        np.copyto(tone, vertex_tone, where=np.isfinite(vertex_tone))
     finest, columns = pyramids.face_level.astype(np.int8), np.ascontiguousarray(uv.T)
     for number, picture in enumerate(pyramids.pictures):
         if not picture.levels:
