@@ -14,11 +14,12 @@ from ...core.settings import PrintSettings
 from ..strands.preview import companions_of, source_of
 from ..strands.scrubber import STRANDS_KEY
 from .mesh_input import WITH_SURFACE, surface_model
+from .metaballs import metaball_of
 from .support_marks import support_volume, volume_objects
 
 
 def objects_to_print(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """The active object, then all other selected meshes except those that only enforce or block supports.
+    """The active object, then all other selected ones with a surface that do not only enforce or block supports.
 
     Strands stand for what they were made from.
     """
@@ -28,9 +29,16 @@ def objects_to_print(context: bpy.types.Context) -> list[bpy.types.Object]:
     if active != context.object:
         return [active, *companions_of(active)]
     selected = (obj for obj in context.view_layer.objects if obj.select_get() and obj.visible_get())
-    others = {obj.name: obj for obj in selected if obj.type == "MESH" and not obj.get(STRANDS_KEY) and obj != active}
+    others = {obj.name: obj for obj in selected if obj != active and _has_surface(obj, context.scene)}
     markers = {name for obj in (active, *others.values()) for name in volume_objects(obj)}
     return [active, *(others[name] for name in sorted(others) if name not in markers)]
+
+
+def _has_surface(obj: bpy.types.Object, scene: bpy.types.Scene) -> bool:
+    """Whether an object beside the active one is printed: a curve without width is a mere path."""
+    if obj.type == "CURVE" and not (obj.data.bevel_depth or obj.data.extrude or obj.data.bevel_object):
+        return False
+    return obj.type in WITH_SURFACE and not obj.get(STRANDS_KEY) and metaball_of(obj, scene) == obj
 
 
 def check_present(objects: Sequence[bpy.types.Object]) -> None:

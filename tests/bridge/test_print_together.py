@@ -39,6 +39,27 @@ def blocks(scene):
     dualcolor.unregister()
 
 
+def test_texts_and_thick_curves_are_printed_too_but_no_paths(blocks):
+    first, second, _ = blocks
+    bpy.ops.object.text_add(location=(100, 30, 0))
+    bpy.context.object.data.extrude = 2.0
+    bpy.ops.curve.primitive_bezier_circle_add(radius=5, location=(130, 30, 2))
+    ring = bpy.context.object
+    bpy.ops.object.metaball_add(radius=5, location=(100, 60, 5))
+    bpy.ops.object.metaball_add(radius=5, location=(104, 60, 5))
+    bpy.context.view_layer.update()
+    for obj in (first, second, ring, *(bpy.data.objects[name] for name in ("Text", "Mball"))):
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = first
+    printed = ["first", "Mball", "Text", "second"]
+    assert [obj.name for obj in objects_to_print(bpy.context)] == printed
+    ring.data.bevel_depth = 1.5
+    assert [obj.name for obj in objects_to_print(bpy.context)] == ["first", ring.name, *printed[1:]]
+    first.dualcolor.arrange = True
+    assert bpy.ops.dualcolor.generate() == {"FINISHED"}
+    assert {row["name"] for row in report_of(first.dualcolor)["objects"]} == {ring.name, *printed}
+
+
 def walls_mm(collection):
     """Points of the outer walls in the world."""
     found = []
