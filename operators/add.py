@@ -19,7 +19,7 @@ from .add_figures import DUALCOLOR_OT_add_figure_cylinder, draw_figure_entries
 from .calibrate import DUALCOLOR_OT_add_calibration_tile
 from .polls import in_object_mode
 from .refusal import refused
-from .viewing import frame_selected, show_pictures
+from .viewing import show_added
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr", ".tga", ".webp")
 PLATE_BRIM_MM = 5.0  # a thin plate that stands upright needs a foot
@@ -85,8 +85,7 @@ class _AddPicture(ImportHelper):
             obj = add_picture_object(picture, shape, f"{path.stem} {self.label}", settings)
         except PrintError as problem:
             return refused(self, problem)
-        show_pictures(context)
-        frame_selected(context)
+        show_added(context, obj)
         width, height = shape.size
         self.report({"INFO"}, f"{obj.name}: {width:.1f} × {height:.1f} mm, {shape.columns} × {shape.rows} texels")
         return {"FINISHED"}

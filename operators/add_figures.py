@@ -11,7 +11,7 @@ from ..core.pictures.figure_cylinders import FIGURES, figure_cylinder
 from ..core.settings import PrintSettings
 from .polls import in_object_mode
 from .refusal import refused
-from .viewing import frame_selected, show_pictures
+from .viewing import show_added
 
 ICONS = {"gradient": "NODE_TEXTURE", "checkered": "TEXTURE", "phase_shifted": "MOD_WAVE", "attenuated": "IPO_SINE"}
 
@@ -60,9 +60,8 @@ class DUALCOLOR_OT_add_figure_cylinder(bpy.types.Operator):
             made = figure_cylinder(kind, self.diameter, self.height, settings)
         except PrintError as problem:
             return refused(self, problem)
-        add_picture_object(made.picture, made.shape, FIGURES[kind][0], made.settings)
-        show_pictures(context)
-        frame_selected(context)
+        obj = add_picture_object(made.picture, made.shape, FIGURES[kind][0], made.settings)
+        show_added(context, obj)
         return {"FINISHED"}
 
 

@@ -19,7 +19,7 @@ from ..core.errors import PrintError
 from ..core.settings import PrintSettings
 from .polls import has_printable, in_object_mode
 from .refusal import refused
-from .viewing import frame_selected, show_pictures
+from .viewing import show_added
 
 _CORNERS = ("upper left", "upper right", "lower right", "lower left")
 
@@ -44,8 +44,7 @@ class DUALCOLOR_OT_add_calibration_tile(bpy.types.Operator):
             obj = add_calibration_tile(settings)
         except PrintError as problem:
             return refused(self, problem)
-        show_pictures(context)
-        frame_selected(context)
+        show_added(context, obj)
         self.report({"INFO"}, f"{obj.name}: print it, photograph it, then Read Calibration Photo")
         return {"FINISHED"}
 

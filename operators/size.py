@@ -15,7 +15,7 @@ from ..bridge.units import LENGTH_DIGITS, mm_per_unit, use_millimeters
 from ..core.errors import PrintError
 from .polls import has_own_settings
 from .refusal import refused
-from .viewing import frame_selected
+from .viewing import frame_in_other_views, frame_selected
 
 _USUAL_MM, _LEAST_MM, _MOST_MM = 60.0, 5.0, 150.0
 _CLOSE = 1e-3
@@ -68,9 +68,11 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
             scale_to_height(obj, self.height)
         except PrintError as problem:
             return refused(self, problem)
-        for other in context.scene.objects if self.scene_in_mm else ():
-            repaint_proof(other)
         frame_selected(context)
+        if self.scene_in_mm:
+            frame_in_other_views(context, obj)
+            for other in context.scene.objects:
+                repaint_proof(other)
         now = _height(obj)
         if math.isclose(now, self.height, rel_tol=_CLOSE):
             along = f"; scaled with it: {', '.join(others)}" if others else ""

@@ -5,6 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
+import numpy as np
+
+from ..bridge.bed import bounds_mm
+from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.units import mm_per_unit
+
+_AWAY = 1.3  # lengths of the object, from which a view with the usual lens sees all of it
 
 
 def frame_selected(context: bpy.types.Context) -> None:
@@ -15,6 +22,26 @@ def frame_selected(context: bpy.types.Context) -> None:
     with context.temp_override(region=region):
         if bpy.ops.view3d.view_selected.poll():
             bpy.ops.view3d.view_selected()
+
+
+def frame_in_other_views(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Have the 3D views of all other workspaces look at an object that is much smaller or larger than what was there.
+
+    A view that is left as it was may be inside it.
+    """
+    low, high = bounds_mm([obj]) / mm_per_unit(context.scene)
+    for area in (area for screen in bpy.data.screens for area in screen.areas):
+        if area.type == "VIEW_3D" and area != context.area:
+            view = area.spaces.active.region_3d
+            view.view_location, view.view_distance = (low + high) / 2, _AWAY * float(np.linalg.norm(high - low))
+
+
+def show_added(context: bpy.types.Context, obj: bpy.types.Object) -> None:
+    """Show an object with a picture that was added; the first one of a scene in all workspaces."""
+    show_pictures(context)
+    frame_selected(context)
+    if not any(other.type in WITH_SURFACE for other in context.scene.objects if other != obj):
+        frame_in_other_views(context, obj)
 
 
 def make_active(context: bpy.types.Context, obj: bpy.types.Object) -> None:

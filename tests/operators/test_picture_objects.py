@@ -147,3 +147,22 @@ def test_cylinders_that_show_the_pattern_keep_what_makes_them(registered, kind):
     rows = model.textures[0].tone.mean(axis=1)
     wanted = np.linspace(0, 1, 12) if kind in ("GRADIENT", "ATTENUATED") else np.full(12, 0.5)
     np.testing.assert_allclose(rows, wanted, atol=0.005)
+
+
+def distances():
+    areas = [area for screen in bpy.data.screens for area in screen.areas if area.type == "VIEW_3D"]
+    return [area.spaces.active.region_3d.view_distance for area in areas]
+
+
+def test_the_first_object_and_one_scaled_for_a_scene_in_mm_are_seen_in_all_workspaces(registered, picture):
+    before = distances()
+    assert len(before) > 5
+    bpy.ops.dualcolor.add_plate(filepath=str(picture), height=30)
+    first = distances()
+    size = max(bpy.context.object.dimensions)
+    assert all(size < distance < 3 * size for distance in first) and first != before
+    bpy.ops.dualcolor.add_plate(filepath=str(picture), height=60)
+    bpy.ops.dualcolor.scale_to_height(height=50)
+    assert distances() == first  # views that are used already stay
+    bpy.ops.dualcolor.scale_to_height(height=140, scene_in_mm=True)
+    assert distances() != first
