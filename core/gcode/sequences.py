@@ -8,6 +8,7 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..settings.printer import PrinterProfile
 from ..settings.temperatures import bed_temperature
+from .fan import fan_off
 from .marlin import marlin_end, marlin_start, marlin_tool_change
 
 PRIME_WIDTH_MM = 1.0
@@ -75,6 +76,7 @@ def end_sequence(settings: PrintSettings, tool: int, counter: float) -> list[str
     return [
         f"G1 {axis}{counter - settings.retract_length:.5f} F{settings.retract_speed * 60:.0f}",
         "M18 A B",
+        *fan_off(settings),
         f"G1 Z{printer.bed_max[2]:.3f} F{printer.lift_mm_min}",  # clear of the tallest print
         f"G162 X Y F{printer.homing_mm_min[0]:.0f}",
         "M18 X Y Z",

@@ -208,10 +208,10 @@ class PrintSettings(PatternSettings):
         0.0, "Temperature of the bed during the print's first layer; 0 is that of the others", "°C", 0.0, 130.0
     )
     fan_speed: float = _filament(
-        0.0, "Fan that cools the print, on printers with Marlin or Klipper firmware; 0 is off", "%", 0.0, 100.0
+        0.0, "Fan that cools the print; Replicators only switch theirs on and off; 0 is off", "%", 0.0, 100.0
     )
     bridge_fan_speed: float = _filament(
-        0.0, "Fan while bridges are printed, where that is more than fan_speed, on the same printers", "%", 0.0, 100.0
+        0.0, "Fan while bridges are printed, where that is more than fan_speed", "%", 0.0, 100.0
     )
     disable_fan_first_layers: int = _filament(1, "Layers on the bed that are printed without the fan", "", 0, 1000)
     slowdown_below_layer_time: float = _filament(

@@ -124,6 +124,11 @@ def temperature(action: Action, tool: int, celsius: int) -> bytes:
     return struct.pack("<BBBBH", Command.TOOL_ACTION, tool, action, 2, celsius)
 
 
+def fan(tool: int, on: bool) -> bytes:
+    """Switch the output that drives the fan, where the printer has one."""
+    return bytes([Command.TOOL_ACTION, tool, Action.VALVE, 1, on])
+
+
 def recall_home(axes: int) -> bytes:
     """Take over the positions that the printer has stored for its end stops."""
     return bytes([Command.RECALL_HOME, axes])

@@ -90,6 +90,8 @@ class _Follower:
             "M73": self._progress,
             "M104": lambda words: self._heat(Action.NOZZLE_TEMPERATURE, words),
             "M109": lambda words: self._heat(Action.BED_TEMPERATURE, words),
+            "M126": lambda words: self._insert(commands.fan(int(words["T"]), True)),
+            "M127": lambda words: self._insert(commands.fan(int(words["T"]), False)),
             "M132": lambda words: self._insert(commands.recall_home(_mask(words))),
             "M133": lambda words: self._insert(commands.wait_for(Command.WAIT_FOR_TOOL, int(words["T"]))),
             "M134": lambda words: self._insert(commands.wait_for(Command.WAIT_FOR_BED, int(words["T"]))),

@@ -172,13 +172,29 @@ def test_bridges_get_more_air(usual, bridging):
     assert told.fan == {0: 0, 1: 0}
 
 
-def test_the_fan_is_left_alone_where_it_is_off_or_the_printer_has_none():
+def test_the_fan_is_left_alone_where_it_is_off():
     moves = rosette(4, 50)
     assert b"M10" not in gcode_text(moves, SETTINGS, []).replace(b"M104", b"").replace(b"M109", b"")
-    makerbot = PrintSettings()
-    with_fan = gcode_text(moves, makerbot.changed({"fan_speed": 100}), [])
-    assert with_fan == gcode_text(moves, makerbot, []).replace(b"; fan_speed = 0", b"; fan_speed = 100")
+    assert b"\nM12" not in gcode_text(moves, PrintSettings(), [])
     assert preset_values(["pla"])["fan_speed"] == 100 and preset_values(["abs_black"])["fan_speed"] == 0
+
+
+@pytest.mark.parametrize(("usual", "bridging"), [(100, 0), (0, 60), (30, 60)])
+def test_a_replicator_switches_its_fan_on_and_off(usual, bridging):
+    settings = PrintSettings(fan_speed=usual, bridge_fan_speed=bridging, disable_fan_first_layers=2)
+    moves = rosette(6, 40)
+    strands = np.flatnonzero(moves.extrudes)
+    spanning = np.arange(len(strands)) % 50 < 10
+    moves.feature[strands[spanning]] = Feature.BRIDGE
+    blows, printing, found = False, False, []
+    for line in gcode_text(moves, settings, []).decode().splitlines():
+        printing |= line == "; layer 0"
+        blows = {"M126 T0": True, "M127 T0": False}.get(line, blows)
+        if printing and line.startswith("G1 ") and ("A" in line or "B" in line) and ("X" in line or "Y" in line):
+            found.append(blows)
+    late = moves.layer[strands] >= 2
+    np.testing.assert_array_equal(found, late & (spanning | bool(usual)))
+    assert not blows
 
 
 def test_the_fan_and_a_colder_nozzle_get_along():

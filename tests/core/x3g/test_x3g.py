@@ -62,6 +62,7 @@ PRINTS = {
         rosette(4, 9),
         SETTINGS.changed({"first_layer_temperature_0": 245, "first_layer_bed_temperature": 120}),
     ),
+    "fan": (rosette(6, 30), SETTINGS.changed({"fan_speed": 60})),
     "left": (
         alone(1),
         SETTINGS.changed({"nozzle_temperature_1": 100, "bed_temperature": 0, "first_layer_height": 0.2}),

@@ -28,10 +28,11 @@ def test_mesh(path: Path):
     result = generate(model, SETTINGS)
     found = compared(result)
     assert found.diagnostics == []
-    assert found.equal_moves == found.moves > 400
+    assert found.equal_moves == found.moves > 100
     assert found.same_heaters
     assert found.same_bytes
     # The tower ends below tips that are too thin to print.
     assert found.tool_changes == result.report["tool_changes"] < result.report["layers"]
-    assert tower_box(result) is not None
+    # The branches are so thin that only their foot is printed, in one color.
+    assert (tower_box(result) is not None) == (found.tool_changes > 0) == (path.stem != "branches_70")
     assert found.findings == []
