@@ -75,7 +75,7 @@ def approaches(
         ways: from path to path.
         settings: retract_before_travel, wipe and z_hop are used.
     """
-    begin, end = paths.points[paths.start[:-1]], paths.points[paths.start[1:] - 1]
+    begin, end = paths.ends
     distance = np.full(len(begin), np.inf)
     distance[1:] = np.hypot(*(begin[1:] - end[:-1]).T)
     changes = np.zeros(len(begin), dtype=bool)
@@ -137,8 +137,9 @@ def fill_approaches(
     """
     top = layers.top[paths.layer]
     left = np.zeros((len(first), 3))
-    left[1:] = np.column_stack([paths.points[paths.start[1:] - 1], top])[:-1]
-    between = _Connections(table, paths, approach, first, np.column_stack([paths.points[paths.start[:-1]], top]), left)
+    begin, end = (np.column_stack([tips, top]) for tips in paths.ends)
+    left[1:] = end[:-1]
+    between = _Connections(table, paths, approach, first, begin, left)
     _pass_by(between, settings)
     _pull_back(between, _arcs(paths, length), settings)
     if approach.begins_pulled_back and len(first):
@@ -237,10 +238,11 @@ def _along(paths: OrderedPaths, arc: FloatArray, chosen: IntArray, way: FloatArr
     Past its end a closed path starts over; an open one is traced backwards.
     """
     begin, end = paths.start[chosen - 1], paths.start[chosen] - 1
-    closed = (np.abs(paths.points[begin] - paths.points[end]) < TOUCHING).all(axis=1)
+    apart = paths.points.take(begin, axis=0) - paths.points.take(end, axis=0)
+    closed = (np.abs(apart) < TOUCHING).all(axis=1)
     place = np.where(closed, arc[begin] + way, arc[end] - way)
     after = np.clip(np.searchsorted(arc, place, side="right"), 1, len(arc) - 1)
-    near, far = paths.points[after - 1], paths.points[after]
+    near, far = (paths.points.take(place, axis=0) for place in (after - 1, after))
     slope = (far - near) / np.maximum(arc[after] - arc[after - 1], TOUCHING**2)[:, None]
     return np.asarray(near + slope * (place - arc[after - 1])[:, None])
 

@@ -43,6 +43,11 @@ class OrderedPaths:
     swapped: BoolArray | None = None
     over_air: BoolArray | None = None
 
+    @property
+    def ends(self) -> tuple[FloatArray, FloatArray]:
+        """(K, 2) mm each, where the paths begin and where they end."""
+        return self.points.take(self.start[:-1], axis=0), self.points.take(self.start[1:] - 1, axis=0)
+
 
 def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
     """Order all layers: skirt, tower and supports, then region by region, always the nearest next; walls before fill.
@@ -56,7 +61,7 @@ def ordered(paths: Paths, settings: PrintSettings) -> OrderedPaths:
     offset = seam_offsets(paths, settings)
     first = paths.start[:-1] + offset
     last = np.where(paths.closed, first, paths.start[1:] - 1)
-    walk = _Walk(_complex(paths.points[first]), _complex(paths.points[last]))
+    walk = _Walk(_complex(paths.points.take(first, axis=0)), _complex(paths.points.take(last, axis=0)))
     if settings.seam_position == "nearest":
         walk.choose_seams(paths)
     rank = _ranks(settings)[paths.feature]

@@ -196,8 +196,9 @@ def _one_each(length: FloatArray, group: IntArray) -> IntArray:
 def _free(lines: _Lines, of: IntArray, middle: FloatArray, outlines: Shapes, reach: float) -> BoolArray:
     """(P,) pieces that hang free: `reach` mm to both sides of their middles (2, P), the outline below is not there."""
     free = np.ones(len(of), dtype=bool)
-    used, layer = np.unique(lines.layer - 1, return_inverse=True)
-    below = shapely.force_2d(outlines[used])  # a copy: a prepared shape must not be shared between threads
+    used = np.bincount(lines.layer - 1) > 0
+    layer = (np.cumsum(used) - 1).take(lines.layer - 1)
+    below = shapely.force_2d(outlines[: len(used)][used])  # copies: prepared shapes must not be shared between threads
     shapely.prepare(below)
     aside = np.array([-lines.step_y, lines.step_x]) * (reach / np.maximum(lines.length, 1e-9))
     for side in (1.0, -1.0):

@@ -86,7 +86,7 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
     plain = straight(paths)
     if within is None or not (settings.avoid_crossing_perimeters or settings.only_retract_when_crossing_perimeters):
         return plain
-    begin, end = paths.points[paths.start[:-1]], paths.points[paths.start[1:] - 1]
+    begin, end = paths.ends
     far = np.hypot(*(begin[1:] - end[:-1]).T) > settings.retract_before_travel
     path = np.flatnonzero(far & (paths.island[1:] == paths.island[:-1]) & (paths.island[1:] >= 0)) + 1
     if not len(path):
