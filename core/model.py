@@ -103,6 +103,13 @@ class SurfaceModel:
     polygon_visibility: IntArray | None = None
     notes: tuple[str, ...] = ()
 
+    @cached_property
+    def sides(self) -> IntArray:
+        """(P,) how many corners each polygon has; not to be written to."""
+        sides = np.diff(self.polygon_start)
+        sides.flags.writeable = False
+        return sides
+
     def moved(self, shift: FloatArray) -> SurfaceModel:
         """A copy moved by (3,) mm."""
         volumes = tuple(volume.moved(shift) for volume in self.volumes)

@@ -100,7 +100,7 @@ class _Triangles:
 
 def _triangles(model: SurfaceModel, corner_vertex: IntArray, vertices: FloatArray) -> _Triangles:
     """All triangles of a model."""
-    if (np.diff(model.polygon_start) == 3).all():
+    if (model.sides == 3).all():
         return _Triangles(None, None)
     return _Triangles(*triangle_corners(vertices, model.polygon_start, corner_vertex))
 
@@ -121,10 +121,9 @@ def checked(model: SurfaceModel) -> tuple[IntArray, FloatArray]:
 def _check_indices(model: SurfaceModel) -> None:
     """Refuse a mesh without faces or with tables that do not fit each other."""
     start, corner = model.polygon_start, model.corner_vertex
-    sides = np.diff(start)
-    if not len(model.vertices) or sides.max(initial=0) < 3:
+    if not len(model.vertices) or model.sides.max(initial=0) < 3:
         raise MeshError(f"{model.name} has no faces", "choose a mesh object with a closed surface")
-    fits = start[0] == 0 and start[-1] == len(corner) and sides.min() >= 0
+    fits = start[0] == 0 and start[-1] == len(corner) and model.sides.min() >= 0
     if not fits or corner.min() < 0 or corner.max() >= len(model.vertices):
         raise MeshError(f"{model.name} has faces that use vertices it does not have", "repair or export the mesh again")
     textures = [table for table in (model.polygon_texture, model.polygon_visibility) if table is not None]
@@ -223,7 +222,7 @@ def _vertex_object(model: SurfaceModel, corner_vertex: IntArray, count: int) -> 
     if model.polygon_object is None:
         return None
     owner = np.zeros(count, dtype=np.int64)
-    owner[corner_vertex] = np.repeat(model.polygon_object, np.diff(model.polygon_start))
+    owner[corner_vertex] = np.repeat(model.polygon_object, model.sides)
     return owner
 
 
@@ -282,14 +281,16 @@ def _order(number: NDArray[np.uint32]) -> IntArray:
 
 def _painting(model: SurfaceModel, triangles: _Triangles) -> tuple[FloatArray, IntArray]:
     """UVs (T, 3, 2) and textures (T,) of triangles; those with a UV that is not finite or huge get no texture."""
-    texture = np.maximum(triangles.of_polygons(model.polygon_texture), -1)
+    texture = triangles.of_polygons(model.polygon_texture)
+    if texture.min() < -1:
+        texture = np.maximum(texture, -1)
     if model.corner_uv is None:
         return np.zeros((len(texture), 3, 2)), texture
     uv = np.asarray(triangles.of_corners(model.corner_uv), dtype=np.float64)
     if uv.min() >= -_UV_LIMIT and uv.max() <= _UV_LIMIT:  # NaN fails as well
         return uv, texture
     broken = ~(np.abs(uv) <= _UV_LIMIT).all(axis=(1, 2))
-    uv = uv.copy()
+    uv, texture = uv.copy(), texture.copy()
     uv[broken], texture[broken] = 0.0, -1
     return uv, texture
 
