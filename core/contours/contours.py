@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..lookup import Lookup
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import runs_of_layers
 from ..ragged import ranges
@@ -253,7 +254,7 @@ def on_loop(arc: FloatArray, loop: IntArray, arc_start: FloatArray) -> FloatArra
 
 def loop_of(lines: Contours, arc: FloatArray) -> IntArray:
     """(Q,) the contour on which each place lies."""
-    return np.asarray(np.clip(np.searchsorted(lines.arc_start, arc, side="right") - 1, 0, len(lines.layer) - 1))
+    return np.maximum(Lookup(lines.arc_start[:-1]).before(arc), 0)
 
 
 def long_enough(length: FloatArray, settings: PrintSettings) -> BoolArray:
