@@ -102,11 +102,22 @@ def filled(
     begin = np.concatenate([local, np.zeros(len(empty))])
     loop = np.concatenate([loop, empty])
     gap = np.concatenate([gap, length[empty]])
-    parts = np.where(gap >= 2 * least - SLACK, np.floor(gap / least + SLACK), 1).astype(np.int64)
-    source = np.repeat(np.arange(len(gap)), parts)
-    step = ranges(np.zeros(len(parts), dtype=np.int64), parts)
-    place = begin[source] + gap[source] * step / parts[source]
-    return in_order(np.mod(place, length[loop[source]]), loop[source])
+    wide = np.flatnonzero(gap >= 2 * least - SLACK)
+    parts = np.floor(gap[wide] / least + SLACK).astype(np.int64)
+    source, share = np.repeat(wide, parts - 1), ranges(np.ones(len(parts), dtype=np.int64), parts - 1)
+    place = begin[source] + gap[source] * share / np.repeat(parts, parts - 1)
+    local, loop = np.concatenate([begin, place]), np.concatenate([loop, loop[source]])
+    return in_order(_on_contours(local, loop, length), loop)
+
+
+def _on_contours(local: FloatArray, loop: IntArray, length: FloatArray) -> FloatArray:
+    """Places (Q,) along closed contours, those beyond an end brought back onto their contour."""
+    around = length.take(loop)
+    beyond = np.flatnonzero((local < 0) | (local >= around))
+    if len(beyond):
+        local = local.copy()
+        local[beyond] = np.mod(local[beyond], around[beyond])
+    return local
 
 
 def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSettings) -> FloatArray:
@@ -128,7 +139,7 @@ def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSet
     local, loop = in_order(arc - lines.arc_start[loop], loop)
     start = starts(np.bincount(loop, minlength=len(lines.layer)))
     local = pushed(local, loop, start, lines.length, least)
-    local, loop = in_order(np.mod(local, lines.length[loop]), loop)
+    local, loop = in_order(_on_contours(local, loop, lines.length), loop)
     local, loop = pruned(local, loop, lines.length, least)
     local, loop = filled(local, loop, lines.length, long_enough(lines.length, settings), least)
     return np.sort(on_loop(lines.arc_start[loop] + local, loop, lines.arc_start), kind="stable")

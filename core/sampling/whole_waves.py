@@ -17,8 +17,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..contours.contours import Contours
-from ..model import BoolArray, FloatArray, IntArray
-from ..ragged import sums
+from ..lookup import Lookup
+from ..model import FloatArray, IntArray
+from ..ragged import starts, sums
 from ..records import dataclass
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
@@ -75,13 +76,8 @@ def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, stray: float, sett
         stray: what share of the waves around a contour the phase may stray from it before one is added or dropped.
         settings: the wavelength is used.
     """
-    work = _Rounding(grid, plan, stray, settings)
-    # Where each layer's contours begin, their nodes, those of them that get something from below, and what they get.
-    loops = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2))
-    known = np.searchsorted(work.handed.contour, loops)
-    cuts = np.stack([loops, grid.start[loops], known, work.handed.start[known]], axis=1)
-    cuts = cuts[np.append(True, np.diff(cuts[:, 1]) > 0)] if len(cuts) else cuts
-    for here, there in pairwise(cuts.tolist()):
+    work = _Rounding(lines, grid, plan, stray, settings)
+    for here, there in pairwise(work.cuts.tolist()):
         work.layer(*(slice(begin, end) for begin, end in zip(here, there, strict=True)))
     return Phase(work.plain + work.lack, work.turns.astype(np.int64))
 
@@ -92,7 +88,7 @@ def _before(values: FloatArray) -> FloatArray:
 
 
 class _HandedUp:
-    """What each layer hands up to the next: entries, sorted by where they lie on the contours above.
+    """What each layer hands up to the next: E entries, sorted by where they lie on the contours above.
 
     Attributes:
         source: (E,) int64, the node below.
@@ -100,8 +96,7 @@ class _HandedUp:
         way: (E,) how far around its contour the image lies, from -1/2 to 1/2.
         contour: (C,) int64, the contours that get any.
         start: (C + 1,) int64, where each one's entries start.
-        owner: (E,) int64, the place of each entry's contour among `contour`.
-        before: (K,) int64, the entry before each node around its contour; 0 on a contour that gets none.
+        before: (K,) int64, the entry before each node around its contour; E on a contour that gets none.
         after: (K,) int64, the one after it.
         share: (K,) how far the node lies between them.
         wrap: (K,) what the contour has more than planned comes on top by this share, where its beginning is between.
@@ -120,10 +115,9 @@ class _HandedUp:
         self.source = source[order]
         self.phase = plain[self.source] + plan.slide[self.source] - above
         self.way = above / np.maximum(total, 1e-9)[target] - 0.5
-        first = np.searchsorted(target, np.arange(len(total) + 1))
+        first = starts(np.bincount(target, minlength=len(total)))
         self.contour = np.flatnonzero(np.diff(first))
         self.start = np.append(first[self.contour], len(target))
-        self.owner = np.repeat(np.arange(len(self.contour)), np.diff(self.start))
         self._between(grid, offset[grid.loop] + plain, place, first, total[grid.loop])
 
     def _between(
@@ -131,122 +125,143 @@ class _HandedUp:
     ) -> None:
         """Find the nodes among the entries."""
         begin, end = first[grid.loop], first[grid.loop + 1] - 1
-        known = begin <= end
-        after = np.searchsorted(place, where, side="right")
-        early, late = known & (after <= begin), known & (after > end)
-        self.before = np.where(early, end, after - 1) * known
-        self.after = np.where(late, begin, after) * known
-        if not len(place):
-            self.share = self.wrap = np.zeros(len(where))
-            return
-        low = place[self.before] - early * total
-        gap = place[self.after] + late * total - low
-        self.share = np.clip((where - low) / np.maximum(gap, 1e-9), 0.0, 1.0)
-        self.wrap = self.share * late - (1 - self.share) * early
+        known = np.flatnonzero(begin <= end)
+        self.before, self.after = np.full((2, len(where)), len(place))
+        self.share, self.wrap = np.zeros((2, len(where)))
+        begin, end, total, where = begin[known], end[known], total[known], where[known]
+        after = Lookup(place).before(where) + 1
+        early, late = after <= begin, after > end
+        self.before[known] = before = np.where(early, end, after - 1)
+        self.after[known] = after = np.where(late, begin, after)
+        low = place[before] - early * total
+        gap = place[after] + late * total - low
+        self.share[known] = share = np.clip((where - low) / np.maximum(gap, 1e-9), 0.0, 1.0)
+        self.wrap[known] = share * late - (1 - share) * early
 
 
 class _Rounding:
     """The state of the sweep: what is known of all layers up to the present one.
 
-    `excess` counts the waves that these layers have more than planned, `left` those planned for the others.
+    A layer has few nodes, so that what can be found for all layers at once is, and the rest takes as few calls as can
+    be. `excess` counts the waves that the layers up to the present one have more than planned.
     """
 
-    def __init__(self, grid: PhaseGrid, plan: WavePlan, stray: float, settings: PrintSettings) -> None:
-        self.grid = grid
+    def __init__(self, lines: Contours, grid: PhaseGrid, plan: WavePlan, stray: float, settings: PrintSettings) -> None:
         self.total = sums(plan.waves, grid.start)
         self.plain = _before(plan.waves) - _before(self.total)[grid.loop]
-        self.way = self.plain / np.maximum(self.total, 1e-9)[grid.loop]
+        way = self.plain / np.maximum(self.total, 1e-9)[grid.loop]
         self.handed = handed = _HandedUp(grid, plan, self.plain, self.total)
-        self.lack = np.zeros(len(grid.arc))
+        self.lack, self.value = np.zeros(len(grid.arc)), np.zeros(len(handed.source) + 1)
         fewest, most = feasible_turns(grid, settings)
         self.turns = np.clip(np.rint(self.total), fewest, most) * (np.diff(grid.start) > 0)
         self.stands_for = sums(grid.stands_for, grid.start) / np.maximum(np.diff(grid.start), 1)
-        # What the contours have more than planned, and what entries hand up, both as far as known.
-        self.more, self.value = np.zeros(len(self.total)), np.zeros(len(handed.source))
-        self.excess, self.left = 0.0, float(self.stands_for @ self.total)
-        # Of the contours that get something from below, of what they get, and which nodes are theirs.
+        # What one wave in excess tilts the plan by on each contour and those above it.
+        planned = self.stands_for * self.total
+        self.haste = HASTE / np.maximum(planned.sum() - _before(planned), 1.0)
+        self.excess = 0.0
+        # Where each layer's contours begin, their nodes, those of them that get something, and what they get.
+        loops = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2))
+        known = np.searchsorted(handed.contour, loops)
+        cuts = np.stack([loops, grid.start[loops], known, handed.start[known]], axis=1)
+        self.cuts = cuts = cuts[np.append(True, np.diff(cuts[:, 1]) > 0)] if len(cuts) else cuts
+        # Of the contours that get something from below, of what they get, and of the nodes; counted within the layer.
         self.planned, self.fewest, self.most = (of[handed.contour] for of in (self.total, fewest, most))
-        self.stray = np.clip(stray * self.planned, *STRAYS)[handed.owner]
-        self.tilted = self.planned[handed.owner] * handed.way
-        self.fed = (np.bincount(handed.contour, minlength=len(self.total)) > 0)[grid.loop]
+        count = np.diff(handed.start)
+        loop_cut, node_cut, known_cut, entry_cut = cuts[:-1].T
+        many = np.diff(cuts, axis=0)
+        self.first = handed.start[:-1] - np.repeat(entry_cut, many[:, 2])
+        self.last = self.first + count - 1
+        self.count = count
+        owner = np.repeat(np.arange(len(count)), count)
+        self.owner = owner - np.repeat(known_cut, many[:, 3])
+        self.stray = np.clip(stray * self.planned, *STRAYS)[owner]
+        self.tilt = self.planned[owner] * handed.way
+        self.loop = grid.loop - np.repeat(loop_cut, many[:, 1])
+        self.ahead, self.behind = (of - np.repeat(node_cut, many[:, 1]) for of in (grid.ahead, grid.behind))
+        self.way, self.over = way, handed.wrap - way * (handed.before < len(handed.source))
 
     def layer(self, loops: slice, nodes: slice, known: slice, entries: slice) -> None:
         """Fix the phase on the contours of one layer, some of which are `known` to get something from below."""
-        grid, handed = self.grid, self.handed
-        value = self._carried(known, entries) if known.start < known.stop else None
-        stands_for, planned = self.stands_for[loops], self.total[loops]
-        more = self.turns[loops] - planned
-        self.excess += float(stands_for @ more)
-        self.left -= float(stands_for @ planned)
-        self.more[loops] = more
-        more = self.more.take(grid.loop[nodes])
-        if value is None:
-            self.lack[nodes] = self.way[nodes] * more
-            return
-        ramp = self.way[nodes] * more
-        self.value[entries] = value
-        even = self.value.take(handed.before[nodes])
+        handed = self.handed
+        if known.start < known.stop:
+            self._carry(loops.start, known, entries)
+        more = self.turns[loops] - self.total[loops]
+        self.excess += float(self.stands_for[loops] @ more)
+        more = more.take(self.loop[nodes])
+        lack = self.value.take(handed.before[nodes])
         rise = self.value.take(handed.after[nodes])
-        rise -= even
+        rise -= lack
         rise *= handed.share[nodes]
-        even += rise
-        even += handed.wrap[nodes] * more
-        even -= ramp
-        if known.stop - known.start < loops.stop - loops.start:
-            even *= self.fed[nodes]
-        ahead, behind = grid.ahead[nodes], grid.behind[nodes]
+        lack += rise
+        lack += self.over[nodes] * more
+        ahead, behind = self.ahead[nodes], self.behind[nodes]
+        # Twice the mean of a node and the mean of its neighbors.
         for _ in range(SMOOTHINGS):
-            self.lack[nodes] = even
-            around = self.lack.take(ahead)
-            around += self.lack.take(behind)
-            around *= 0.25
-            even *= 0.5
-            even += around
-        even += ramp
-        self.lack[nodes] = even
+            lack += lack.take(ahead)
+            lack += lack.take(behind)
+        lack *= 0.25**SMOOTHINGS
+        more *= self.way[nodes]
+        lack += more
+        self.lack[nodes] = lack
 
-    def _carried(self, known: slice, entries: slice) -> FloatArray:
+    def _carry(self, loop: int, known: slice, entries: slice) -> None:
         """Take over the phase from below, less the plan; fixes the number of waves of the `known` contours."""
-        handed, planned = self.handed, self.planned[known]
-        phase = handed.phase[entries] + self.lack.take(handed.source[entries])
-        start = handed.start[known.start : known.stop + 1] - entries.start
-        first, last = start[:-1], start[1:] - 1
-        owner = handed.owner[entries] - known.start
+        handed, first, owner = self.handed, self.first[known], self.owner[entries]
+        phase = self.lack.take(handed.source[entries])
+        phase += handed.phase[entries]
         walk = np.empty(len(phase))
         np.subtract(phase[1:], phase[:-1], out=walk[1:])
         walk[first] = 0.0
         walk -= np.rint(walk)
         walk = walk.cumsum()
-        mean = np.add.reduceat(walk, first) / (start[1:] - first)
+        mean = np.add.reduceat(walk, first)
+        mean /= self.count[known]
         # The plan's number of waves is met in the end: what came in excess is made up for in the layers to come.
-        steered = (HASTE * self.excess / max(self.left, 1.0)) * self.tilted[entries]
-        steered = np.minimum(np.maximum(steered, -STEERED), STEERED)
-        lack = _mended(walk - mean.take(owner) + steered, start, self.stray[entries]) - steered
-        turns = np.rint(lack[last] - lack[first] + planned)
+        tilt = self.tilt[entries] * (self.excess * self.haste[loop])
+        stray = np.minimum(np.maximum(tilt, -STEERED, out=tilt), STEERED, out=tilt)
+        stray += walk
+        stray -= mean.take(owner)
+        begin = phase.take(first)
+        begin -= np.rint(begin)
+        begin -= walk.take(first)
+        _mend(walk, stray, first, self.stray[entries])
+        turns = walk.take(self.last[known])
+        turns -= walk.take(first)
+        turns += self.planned[known]
+        turns = np.rint(turns)
         held = np.minimum(np.maximum(turns, self.fewest[known]), self.most[known])
         for this in (held != turns).nonzero()[0]:
-            part = slice(start[this], start[this + 1])
+            part = slice(first[this], first[this] + self.count[known][this])
             for _ in range(int(abs(held[this] - turns[this]))):
-                lack[part] += _step_for(lack[part], np.sign(held[this] - turns[this]))
+                walk[part] += _step_for(walk[part], np.sign(held[this] - turns[this]))
         self.turns[handed.contour[known]] = held
-        base = phase[first]
-        return np.asarray(lack + (mean - walk[first] + base - np.rint(base)).take(owner))
+        walk += begin.take(owner)
+        self.value[entries] = walk
 
 
-def _mended(stray: FloatArray, start: IntArray, most: FloatArray) -> FloatArray:
-    """Whole waves added to or taken from the stretches where the phase strays by more than `most` from its mean."""
+def _mend(walk: FloatArray, stray: FloatArray, first: IntArray, most: FloatArray) -> None:
+    """Add whole waves to or take them from `walk` where it strays by more than `most` from its mean; changes `stray`.
+
+    Args:
+        walk: (E,) the phase.
+        stray: (E,) from its mean.
+        first: where each contour's entries begin.
+        most: (E,) by how much it may.
+    """
     for _ in range(MENDINGS):
         away = np.abs(stray)
-        if not (away > most).any():
+        over = away - most
+        if np.maximum.reduce(over) <= 0:
             break
-        side = np.sign(stray) * (away > STRETCH * most)
+        side = np.sign(stray)
+        side *= away > STRETCH * most
         begins = np.empty(len(stray), dtype=bool)
         np.not_equal(side[1:], side[:-1], out=begins[1:])
-        begins[start[:-1]] = True
-        stretch = np.flatnonzero(begins)
-        far: BoolArray = (np.maximum.reduceat(away - most, stretch) > 0) & (side[stretch] != 0)
-        stray = stray - side * far.take(begins.cumsum() - 1)
-    return stray
+        begins[first] = True
+        far = np.maximum.reduceat(over, begins.nonzero()[0]) > 0
+        side *= far.take(begins.cumsum() - 1)
+        stray -= side
+        walk -= side
 
 
 def _step_for(stray: FloatArray, step: float) -> FloatArray:
