@@ -12,11 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contours.contours import Contours, loop_of
+from ..contours.contours import Contours
+from ..lookup import Lookup
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import sums
 from ..records import dataclass
-from .phase_grid import PhaseGrid, between, grid_of, image_steps
+from .phase_grid import PhaseGrid, grid_of, image_steps
 from .whole_waves import Phase
 
 # A contour is kept where its images on the layer that is kept are longer or shorter by this share.
@@ -38,18 +39,20 @@ class FewerLayers:
         few: those of them on contours that are kept.
         kept: (K,) which these are.
         place: (K,) mm, where the others lie on contours that are kept: the arcs of their images.
+        loop: (K,) int64, those contours.
     """
 
     all: PhaseGrid
     few: PhaseGrid
     kept: BoolArray
     place: FloatArray
+    loop: IntArray
 
     def everywhere(self, lines: Contours, phase: Phase) -> Phase:
         """The phase on all layers, from that on the grid of fewer."""
         grid, few = self.all, self.few
         node = np.flatnonzero(~self.kept)
-        low, share = between(few.arc, few.length, self.place[node])
+        low, share = few.at(self.place[node])
         up = np.full(len(grid.arc), -1)
         high, slid = np.zeros(len(grid.arc)), np.zeros(len(grid.arc))
         up[node] = few.loop[low]
@@ -84,7 +87,7 @@ class FewerLayers:
         slide = phase.at(few.low[source], few.share[source], few) - phase.value[source]
         slide = (slide - np.rint(slide)) / few.span[source]
         arrival, arrived = few.above[source], few.loop[few.low[source]]
-        after = np.searchsorted(arrival, place, side="right")
+        after = Lookup(arrival).before(place) + 1
         before, after = np.maximum(after - 1, 0), np.minimum(after, len(source) - 1)
         from_before, from_after = arrived[before] == loop, arrived[after] == loop
         share = np.clip((place - arrival[before]) / np.maximum(arrival[after] - arrival[before], 1e-9), 0.0, 1.0)
@@ -98,36 +101,43 @@ def fewer_layers(lines: Contours, grid: PhaseGrid, layers: int, tear: float) -> 
     below = int(lines.layer.max(initial=0)) - lines.layer
     kept = below % layers == 0
     place, up = grid.above.copy(), grid.loop[grid.low]
+    onto = up.copy()
     for number in range(1, layers + 1):
         node = np.flatnonzero((below % layers == number % layers)[grid.loop])
         onward = node[grid.linked[node] & ~kept[up[node]]]
-        place[onward] = _through(lines, grid, place, onward, tear)
+        place[onward], onto[onward] = _through(lines, grid, place, onto, onward, tear)
         if number < layers:
-            kept[_lost(lines, grid, node, place[node], tear)] = True
+            kept[_lost(lines, grid, node, place[node], onto[node], tear)] = True
     stay = kept[grid.loop]
     node = np.flatnonzero(stay)
-    arc, loop, above = grid.arc[node], grid.loop[node], place[node]
-    few = grid_of(lines, arc, loop, above, image_steps(lines, arc, loop, above, tear))
-    return FewerLayers(grid, _with_extremes(lines, grid, few, stay, place, tear), stay, place)
+    point, loop, above = grid.point[node], grid.loop[node], place[node]
+    few = grid_of(lines, point, loop, above, image_steps(lines, point, loop, above, onto[node], tear))
+    return FewerLayers(grid, _with_extremes(lines, grid, few, stay, place, onto, tear), stay, place, onto)
 
 
-def _through(lines: Contours, grid: PhaseGrid, place: FloatArray, node: IntArray, tear: float) -> FloatArray:
-    """Where nodes arrive if what is above them arrives at `place` (K,)."""
+def _through(
+    lines: Contours, grid: PhaseGrid, place: FloatArray, onto: IntArray, node: IntArray, tear: float
+) -> tuple[FloatArray, IntArray]:
+    """Where nodes arrive, and on which contours, if what is above them arrives at `place` (K,) on contours `onto`."""
     low, share = grid.low[node], grid.share[node]
-    begin, end = place[low], place[grid.ahead[low]]
-    loop = loop_of(lines, np.nan_to_num(begin))
+    ahead = grid.ahead[low]
+    begin, end, loop = place[low], place[ahead], onto[low]
     length, first = lines.length[loop], lines.arc_start[loop]
     step = end - begin
-    step -= length * np.rint(np.nan_to_num(step) / length)
-    whole = (np.abs(step) <= grid.length[low] + tear) & (loop == loop_of(lines, np.nan_to_num(end)))
+    step -= length * np.rint(step / length)
+    whole = (np.abs(step) <= grid.length[low] + tear) & (loop == onto[ahead])
     onward = first + np.mod(begin + share * step - first, length)
-    return np.where(whole, onward, np.where(share < 0.5, begin, end))
+    nearer = share < 0.5
+    return (
+        np.where(whole, onward, np.where(nearer, begin, end)),
+        np.where(whole | nearer, loop, onto[ahead]),
+    )
 
 
-def _lost(lines: Contours, grid: PhaseGrid, node: IntArray, place: FloatArray, tear: float) -> IntArray:
+def _lost(lines: Contours, grid: PhaseGrid, node: IntArray, place: FloatArray, onto: IntArray, tear: float) -> IntArray:
     """The contours of nodes of which some arrive at no `place` (Q,), or whose length changes fast on the way."""
     loop, size = grid.loop[node], len(lines.layer)
-    step = np.abs(image_steps(lines, grid.arc[node], loop, place, tear))
+    step = np.abs(image_steps(lines, grid.point[node], loop, place, onto, tear))
     missing = np.bincount(loop, np.isnan(place), size) > 0
     length = np.bincount(loop, np.where(np.isnan(step), 0.0, grid.length[node]), size)
     change = np.bincount(loop, np.nan_to_num(step), size) - length
@@ -135,14 +145,20 @@ def _lost(lines: Contours, grid: PhaseGrid, node: IntArray, place: FloatArray, t
 
 
 def _with_extremes(
-    lines: Contours, grid: PhaseGrid, few: PhaseGrid, kept: BoolArray, place: FloatArray, tear: float
+    lines: Contours,
+    grid: PhaseGrid,
+    few: PhaseGrid,
+    kept: BoolArray,
+    place: FloatArray,
+    onto: IntArray,
+    tear: float,
 ) -> PhaseGrid:
     """The grid of fewer layers with what its edges have to hold on the layers between, too."""
     node = np.flatnonzero(~kept)
-    step = np.abs(image_steps(lines, grid.arc[node], grid.loop[node], place[node], tear))
+    step = np.abs(image_steps(lines, grid.point[node], grid.loop[node], place[node], onto[node], tear))
     some = np.flatnonzero(step > SHRUNK * grid.length[node])
     ratio = grid.length[node[some]] / step[some]
-    low = np.searchsorted(few.arc, place[node[some]], side="right") - 1
+    low = few.lookup.before(place[node[some]])
     shortest, longest = np.ones(len(few.arc)), np.ones(len(few.arc))
     less = ratio < 1
     np.minimum.at(shortest, low[less], ratio[less])

@@ -4,7 +4,7 @@ The paper (section 3.2, Algorithm 1) carries samples up from layer to layer and 
 spacing leaves [λ, 2λ); four fifths of the visible seams are where it does. It names better parametrization as open.
 Here four steps take its place, with the same projection, the same bounds and the same measure of seams:
 
-1. a grid of places on the contours, linked from layer to layer by projection (`phase_grid.py`);
+1. a grid of places on the contours, linked from layer to layer by projection (`phase_grid.py`, `projected_grid.py`);
 2. how many waves each stretch needs for the fewest births and deaths, a convex problem (`wave_plan.py`);
 3. whole waves from those fractions (`whole_waves.py`);
 4. the phase that slides least between layers, first on the coarse grid, then on the fine one (`phase_fit.py`).
@@ -26,7 +26,8 @@ from ..ragged import ranges, sums
 from ..settings import PrintSettings
 from .fewer_layers import fewer_layers
 from .phase_fit import PhaseFit
-from .phase_grid import PhaseGrid, on_grid, phase_grid
+from .phase_grid import PhaseGrid
+from .projected_grid import phase_grid
 from .samples import Projector, Samples
 from .seam_polish import Polish, Stage, polished
 from .spacing import bounded
@@ -37,9 +38,12 @@ from .whole_waves import Phase, rounded
 # are so many wavelengths farther apart than they. From this share of the pattern on that is a visible seam, or the
 # second where it is told how much a seam matters, all is done anew with more care.
 LAYERS, STRIDE, TEAR = 4, 12, 2.0
-QUICK_SEARCH, QUICK_FIT = Search(((32, 2, 100), (8, 2, 80)), 40), (3, 1, 6)
+QUICK_SEARCH, QUICK_FIT = Search(((8, 2, 100),), 36), (2, 0, 4)
 QUICK_STRAY = 0.03
-QUICK_POLISH = Polish((Stage(10, 2, 0.27, 0.35),), 0.08, 2, 3.0)
+# On a model with few waves near seams more steps are taken, at closer places: that takes no longer than on a large one.
+FEW_NEAR = 10_000
+SMALL_POLISH = Polish((Stage(24, 2, 0.25, 0.45, 0.25),), 0.05, 3, 2.0)
+QUICK_POLISH = Polish((Stage(11, 2, 0.25, 0.45, 0.25),), 0.08, 2, 3.0, few=FEW_NEAR, more=SMALL_POLISH)
 QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0043, 0.0022
 # Then on all layers, on every so many nodes of the fine grid.
 COARSE_STRIDE = 4
@@ -47,13 +51,18 @@ STRAY = 0.017
 SEARCH = Search(((16, 8, 100), (4, 6, 100), (2, 4, 150)), 25)
 # Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
 COARSE_FIT, FINE_FIT = (8, 1, 10), (2, 0, 8)
-POLISH = Polish((Stage(10, 2, 0.2, 0.35),), 0.15, 2, 2.0)
+POLISH = Polish((Stage(10, 2, 0.2, 0.35, 0.35),), 0.15, 2, 2.0)
 # Where more than this share of the pattern is a visible seam, or the second where it is told how much a seam matters, a
 # few more plans are tried, with longer fits; the best of all is polished longer from this share of it on.
 ENOUGH, ENOUGH_WEIGHED, FEW = 0.004, 0.0025, 0.8
 MORE_TRIES, LONGER_COARSE_FIT, LONGER_FINE_FIT = 2, (8, 1, 20), (4, 0, 12)
 LONGER_POLISH = Polish(
-    (Stage(25, 1, 0.8, 0.2), Stage(25, 2, 0.7, 0.12), Stage(25, 3, 0.6, 0.06), Stage(25, 4, 0.53, 0.03)),
+    (
+        Stage(25, 1, 0.8, 0.2, 0.2),
+        Stage(25, 2, 0.7, 0.12, 0.12),
+        Stage(25, 3, 0.6, 0.06, 0.06),
+        Stage(25, 4, 0.53, 0.03, 0.03),
+    ),
     0.1,
     4,
     0.4,
@@ -99,9 +108,9 @@ class _Planning:
         lines, settings = self.lines, self.settings
         grid = phase_grid(lines, self.projector, settings, STRIDE)
         layers = fewer_layers(lines, grid, LAYERS, TEAR * settings.wavelength)
-        few, here = layers.few, _at_nodes(self.weight, lines, layers.few)
+        few, here = layers.few, self.weight[layers.few.point]
         price = np.minimum(here, here[few.ahead])
-        plan = planned(lines, layers.all, few, LAYERS, QUICK_SEARCH, price, settings)
+        plan = planned(lines, few, few, LAYERS, QUICK_SEARCH, price, settings)
         phase = PhaseFit(few, rounded(lines, few, plan, QUICK_STRAY, settings), here, settings).solved(*QUICK_FIT)
         samples = Samples.on(lines, bounded(lines, *whole_phases(grid, layers.everywhere(lines, phase)), settings))
         return polished(self.projector, grid, samples, self.weight, QUICK_POLISH, settings)
@@ -110,7 +119,7 @@ class _Planning:
         """The best of plans on all layers."""
         self.fine = phase_grid(self.lines, self.projector, self.settings)
         self.coarse = self.fine.coarser(self.lines, COARSE_STRIDE)
-        self.here = _at_nodes(self.weight, self.lines, self.coarse)
+        self.here = self.weight[self.coarse.point]
         price = np.minimum(self.here, self.here[self.coarse.ahead])
         plan = planned(self.lines, self.fine, self.coarse, 1, SEARCH, price, self.settings)
         enough = ENOUGH if self.weight.min() == 1 else ENOUGH_WEIGHED
@@ -131,15 +140,10 @@ class _Planning:
         lines, coarse, fine, settings = self.lines, self.coarse, self.fine, self.settings
         phase = rounded(lines, coarse, plan, STRAY, settings)
         phase = PhaseFit(coarse, phase, self.here, settings).solved(*coarse_fit)
-        phase = Phase(phase.at(*on_grid(coarse, fine), coarse), phase.turns)
-        phase = PhaseFit(fine, phase, _at_nodes(self.weight, lines, fine), settings).solved(*fine_fit)
+        phase = Phase(phase.at(*coarse.at(fine.arc), coarse), phase.turns)
+        phase = PhaseFit(fine, phase, self.weight[fine.point], settings).solved(*fine_fit)
         samples = Samples.on(lines, bounded(lines, *whole_phases(fine, phase), settings))
         return polished(self.projector, fine, samples, self.weight, POLISH, settings)
-
-
-def _at_nodes(weight: FloatArray, lines: Contours, grid: PhaseGrid) -> FloatArray:
-    point = np.searchsorted(lines.arc, grid.arc, side="right") - 1
-    return np.asarray(weight[point])
 
 
 def whole_phases(grid: PhaseGrid, phase: Phase) -> tuple[FloatArray, IntArray]:

@@ -10,22 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..contours.contours import Contours, long_enough, loop_of
+from ..contours.contours import Contours
+from ..lookup import Lookup
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, preceding, ranges, starts
 from ..records import dataclass
-from ..settings import PrintSettings
-from .samples import Projector
-
-# Every so many contour points are projected as a rule, at least so many of each contour. One of so many points is
-# searched on the whole layer above, at least so many of a contour, but no more than every other of these; the others
-# are looked for near where their neighbors' images are.
-STATION_STRIDE, LEAST_NODES = 3, 8
-SEARCHED, LEAST_SEARCHED = 96, 4
-# Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
-TEAR = 1.0
-# So many times as many points are projected between torn neighbors.
-FINER = 4
 
 
 @dataclass(frozen=True)
@@ -33,6 +22,7 @@ class PhaseGrid:
     """K nodes on the contours that carry the pattern, in order of their arcs; edge i leads from node i to the next.
 
     Attributes:
+        point: (K,) int64, the contour point that each node is.
         arc: (K,) mm.
         start: (M + 1,) int64, where each contour's nodes start.
         loop: (K,) int64, the contour of each node.
@@ -48,8 +38,10 @@ class PhaseGrid:
         shortest: (K,) mm, the least length of each edge and of what leads to it between the layers of the grid.
         longest: (K,) mm, the greatest.
         stands_for: (K,) on about how many layers each edge's waves are.
+        lookup: finds arcs among those of the nodes.
     """
 
+    point: IntArray
     arc: FloatArray
     start: IntArray
     loop: IntArray
@@ -65,6 +57,7 @@ class PhaseGrid:
     shortest: FloatArray
     longest: FloatArray
     stands_for: FloatArray
+    lookup: Lookup
 
     @property
     def linked(self) -> BoolArray:
@@ -90,34 +83,48 @@ class PhaseGrid:
         ahead = following(begin)
         end = np.where(ahead > np.arange(len(node)), node[ahead], self.start[loop + 1])
         step = np.where(bad[end] == bad[node], way[end] - way[node], np.nan)
-        return grid_of(lines, self.arc[node], loop, self.above[node], step)
+        return grid_of(lines, self.point[node], loop, self.above[node], step)
 
-    def carried(self, lines: Contours, place: FloatArray, asked: BoolArray) -> FloatArray:
-        """The images (Q,) of places (Q,), which may be NaN; those not `asked` (Q,) stay where they are."""
-        out = place.copy()
-        known = np.flatnonzero(asked & ~np.isnan(place))
-        node, share = between(self.arc, self.length, place[known])
+    def at(self, place: FloatArray) -> tuple[IntArray, FloatArray]:
+        """The node before each place (Q,), on a contour with nodes, and the share of the way to the next one."""
+        # A contour's first node is its first point, so that the node before a place is one of the same contour.
+        node = self.lookup.before(place)
+        return node, np.minimum((place - self.arc.take(node)) / self.length.take(node), 1.0)
+
+    def raised(self, lines: Contours, place: FloatArray, loop: IntArray, layers: int) -> tuple[FloatArray, IntArray]:
+        """Places (Q,) on contours (Q,) carried up until they are on every so many layers, counted from the top.
+
+        Returns:
+            (Q,) arcs, NaN of what does not lead there, and (Q,) their contours.
+        """
+        left = ((int(lines.layer.max(initial=0)) - lines.layer) % layers > 0).take(loop)
+        place, loop = place.copy(), loop.copy()
+        for _ in range(layers):
+            asked = np.flatnonzero(left & ~np.isnan(place))
+            if not len(asked):
+                break
+            place[asked], loop[asked] = self._images(lines, place[asked])
+            left = ((int(lines.layer.max(initial=0)) - lines.layer) % layers > 0).take(loop)
+        return place, loop
+
+    def _images(self, lines: Contours, place: FloatArray) -> tuple[FloatArray, IntArray]:
+        """The images (Q,) of places (Q,), NaN where there is none, and the contours that they are on."""
+        node, share = self.at(place)
         torn = np.isnan(self.step[node])
         nearer = np.where(share < 0.5, node, self.ahead[node])
         image = np.where(torn, self.above[nearer], self.above[node] + share * self.step[node])
         up = self.loop[self.low[np.where(torn, nearer, node)]]
-        out[known] = _around(lines, image, up)
-        return out
+        return brought_back(lines, image, up), up
 
-    def spanning(self, lines: Contours, layers: int, spanned: int, tear: float) -> PhaseGrid:
+    def spanning(self, lines: Contours, layers: int, tear: float) -> PhaseGrid:
         """Only every so many layers, counted from the top, linked to one another over those between them.
 
-        This grid has every `spanned` layers itself, of which `layers` is a multiple. Neighbors whose images lie `tear`
-        mm farther apart than they do are torn.
+        Neighbors whose images lie `tear` mm farther apart than they do are torn.
         """
-        below = int(lines.layer.max(initial=0)) - lines.layer[self.loop]
-        fine = np.flatnonzero(below % layers == 0)
-        above = self.above[fine]
-        for _ in range(layers // spanned - 1):
-            above = self.carried(lines, above, np.ones(len(fine), dtype=bool))
-        arc, loop = self.arc[fine], self.loop[fine]
-        step = image_steps(lines, arc, loop, above, tear)
-        return grid_of(lines, arc, loop, above, step)
+        fine = np.flatnonzero(((int(lines.layer.max(initial=0)) - lines.layer) % layers == 0)[self.loop])
+        above, up = self.raised(lines, self.above[fine], self.loop[self.low[fine]], layers)
+        point, loop = self.point[fine], self.loop[fine]
+        return grid_of(lines, point, loop, above, image_steps(lines, point, loop, above, up, tear))
 
     def every(self, lines: Contours, stride: int) -> PhaseGrid:
         """Only every so many nodes of each contour, at least four."""
@@ -159,131 +166,69 @@ class PhaseGrid:
         return cell, start, edge, weight * np.where(backwards, -1.0, 1.0)[owner]
 
 
-def phase_grid(
-    lines: Contours, projector: Projector, settings: PrintSettings, stride: int = STATION_STRIDE
-) -> PhaseGrid:
-    """A grid with a node every so many contour points, and closer ones where the surface is torn."""
-    usable = long_enough(lines.length, settings)
-    every = _strides(lines, stride)
-    many = np.where(usable, -(-np.diff(lines.start) // every), 0)
-    loop, rank = np.repeat(np.arange(len(many)), many), ranges(np.zeros(len(many), dtype=np.int64), many)
-    node = lines.start[loop] + rank * every[loop]
-    tear = TEAR * settings.wavelength
-    searched = rank % np.clip(many // LEAST_SEARCHED, 2, SEARCHED // every)[loop] == 0
-    above = _followed_images(lines, projector, node, searched, usable, tear)
-    torn = np.flatnonzero(np.isnan(image_steps(lines, lines.arc[node], loop, above, tear)))
-    ahead = following(starts(many))[torn]
-    length = np.where(ahead > torn, node[ahead], lines.start[loop[torn] + 1]) - node[torn]
-    step = max(stride // FINER, 1)
-    many = (length - 1) // step
-    between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * step
-    node, above = np.append(node, between), np.append(above, _images(lines, projector, between, usable))
-    order = np.argsort(node, kind="stable")
-    node, above = node[order], above[order]
-    arc, loop = lines.arc[node], projector.loop[node]
-    return grid_of(lines, arc, loop, above, image_steps(lines, arc, loop, above, tear))
-
-
-def _strides(lines: Contours, stride: int) -> IntArray:
-    """(M,) contour points from node to node."""
-    return np.minimum(stride, np.maximum(np.diff(lines.start) // LEAST_NODES, 1))
-
-
-def _followed_images(
-    lines: Contours, projector: Projector, node: IntArray, searched: BoolArray, usable: BoolArray, tear: float
+def image_steps(
+    lines: Contours, point: IntArray, loop: IntArray, above: FloatArray, up: IntArray, tear: float
 ) -> FloatArray:
-    """Images of contour points, of which some, the first of each contour among them, are searched on the whole layer.
+    """Way from each image to the next along the contour above, the shorter way round; NaN where the surface is torn.
 
-    Where neighbors of these have neighboring images, those of the points between them lie near the line between.
+    Args:
+        lines: the contours.
+        point: (Q,) the contour points, of contours `loop` (Q,).
+        loop: these.
+        above: (Q,) arcs of their images on contours `up` (Q,), NaN where there is none.
+        up: these; any where there is no image.
+        tear: neighbors whose images lie so many mm farther apart than they are torn.
     """
-    above = np.full(len(node), np.nan)
-    above[searched] = image = _images(lines, projector, node[searched], usable)
-    arc, loop = lines.arc[node[searched]], projector.loop[node[searched]]
-    step = image_steps(lines, arc, loop, image, tear)
     ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
-    length = _lengths(lines, arc, loop, ahead)
-    owner = np.cumsum(searched) - 1
-    smooth = (~np.isnan(step) & (length > 0))[owner]
-    near = np.flatnonzero(~searched & smooth)
-    at, owner = node[near], owner[near]
-    up = loop_of(lines, image[owner])
-    guess = _around(lines, image[owner] + (step / length)[owner] * (lines.arc[at] - arc[owner]), up)
-    place, distance = projector.nearby(projector.spot[at], guess)
-    above[near] = np.where(distance <= projector.threshold, place, np.nan)
-    others = np.flatnonzero(~searched & np.isnan(above))
-    above[others] = _images(lines, projector, node[others], usable)
-    return above
-
-
-def _images(lines: Contours, projector: Projector, point: IntArray, usable: BoolArray) -> FloatArray:
-    """Arcs of the images of contour points on the layer above; NaN where none is near enough or carries the pattern."""
-    above = projector.above(lines.points[point], lines.layer[projector.loop[point]])
-    found = np.flatnonzero(~np.isnan(above))
-    above[found[~usable[loop_of(lines, above[found])]]] = np.nan
-    return above
-
-
-def image_steps(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, tear: float) -> FloatArray:
-    """Way from each image to the next along the contour above, the shorter way round; NaN where the surface is torn."""
-    ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
-    has = ~np.isnan(above)
-    up = np.where(has, loop_of(lines, np.where(has, above, 0.0)), -1)
-    around = np.where(has, lines.length[up], 1.0)
-    step = above[ahead] - above
+    step = above.take(ahead) - above
+    around = lines.length.take(up)
     step -= around * np.rint(step / around)
-    own = _lengths(lines, arc, loop, ahead)
-    return np.where((up >= 0) & (up == up[ahead]) & (np.abs(step) <= own + tear), step, np.nan)
+    own = lengths(lines, lines.arc[point], loop, ahead)
+    step[(up != up.take(ahead)) | (np.abs(step) > own + tear)] = np.nan
+    return step
 
 
-def grid_of(lines: Contours, arc: FloatArray, loop: IntArray, above: FloatArray, step: FloatArray) -> PhaseGrid:
-    """The grid of nodes with these arcs, contours, images and steps between images, all (K,)."""
+def grid_of(lines: Contours, point: IntArray, loop: IntArray, above: FloatArray, step: FloatArray) -> PhaseGrid:
+    """The grid of nodes at these contour points, with their contours, images and steps between images, all (K,)."""
+    arc, size = lines.arc[point], len(point)
     start = starts(np.bincount(loop, minlength=len(lines.layer)))
     ahead, behind = following(start), preceding(start)
-    length = _lengths(lines, arc, loop, ahead)
-    has = ~np.isnan(above)
-    low, share = between(arc, length, above[has])
-    full_low, full_share = np.zeros(len(arc), dtype=np.int64), np.zeros(len(arc))
-    full_low[has], full_share[has] = low, share
-    return PhaseGrid(
+    length = lengths(lines, arc, loop, ahead)
+    has = np.flatnonzero(~np.isnan(above))
+    low, share, lookup = np.zeros(size, dtype=np.int64), np.zeros(size), Lookup(arc)
+    grid = PhaseGrid(
+        point=point,
         arc=arc,
         start=start,
         loop=loop,
         ahead=ahead,
         behind=behind,
         length=length,
-        seam=(ahead <= np.arange(len(arc))).astype(float),
+        seam=(ahead <= np.arange(size)).astype(float),
         step=step,
         above=above,
-        low=full_low,
-        share=full_share,
-        span=np.where(has, lines.layer[loop[full_low]] - lines.layer[loop], 1.0),
+        low=low,
+        share=share,
+        span=np.ones(size),
         shortest=length,
         longest=length,
-        stands_for=np.ones(len(arc)),
+        stands_for=np.ones(size),
+        lookup=lookup,
     )
+    low[has], share[has] = grid.at(above[has])
+    grid.span[has] = (lines.layer[loop[low]] - lines.layer[loop])[has]
+    return grid
 
 
-def between(arc: FloatArray, length: FloatArray, place: FloatArray) -> tuple[IntArray, FloatArray]:
-    """The node before each place, on a contour with nodes, and the share of the way to the next one."""
-    # A contour's first node is its first point, so that the node before a place is one of the same contour.
-    node = np.searchsorted(arc, place, side="right") - 1
-    return node, np.minimum((place - arc.take(node)) / length.take(node), 1.0)
-
-
-def on_grid(grid: PhaseGrid, finer: PhaseGrid) -> tuple[IntArray, FloatArray]:
-    """Where the nodes of a finer grid lie on this one: the node before each, and the share of the way to the next."""
-    return between(grid.arc, grid.length, finer.arc)
-
-
-def _lengths(lines: Contours, arc: FloatArray, loop: IntArray, ahead: IntArray) -> FloatArray:
+def lengths(lines: Contours, arc: FloatArray, loop: IntArray, ahead: IntArray) -> FloatArray:
     """(K,) mm along the contour from each node to the next, 0 where it is the only one."""
-    length = arc[ahead] - arc
+    length = arc.take(ahead) - arc
     over = np.flatnonzero(length < 0)
     length[over] += lines.length[loop[over]]
     return length
 
 
-def _around(lines: Contours, arc: FloatArray, loop: IntArray) -> FloatArray:
+def brought_back(lines: Contours, arc: FloatArray, loop: IntArray) -> FloatArray:
     """Arcs (Q,) that may lie beyond an end of their contours (Q,), brought back onto these."""
     length, local = lines.length.take(loop), arc - lines.arc_start.take(loop)
     return np.asarray(arc - length * np.floor(local / length))

@@ -11,7 +11,7 @@ from ..contours.contours import Contours, on_loop
 from ..contours.grid import PointGrid, nearest
 from ..model import FloatArray, IntArray
 from ..parallel import in_chunks
-from ..ragged import ahead, preceding, ranges, starts
+from ..ragged import ahead, preceding, ranges
 from ..records import dataclass
 from .spacing import spacings
 
@@ -19,6 +19,7 @@ ComplexArray = NDArray[np.complex128]
 
 # How often a nearest place is looked for along the contour, and how many segments far at a time.
 WALKS, FARTHEST = 2, 4.0
+FAR = 0.05
 # Images are searched among every so many points of the contours.
 SPARSE = 6
 
@@ -40,8 +41,8 @@ class Samples:
     @staticmethod
     def on(lines: Contours, arc: FloatArray) -> Samples:
         """The samples at increasing arcs (S,)."""
-        loop = np.searchsorted(lines.arc_start, arc, side="right") - 1
-        return Samples(arc, loop, starts(np.bincount(loop, minlength=len(lines.layer))))
+        start = np.searchsorted(arc, lines.arc_start)
+        return Samples(arc, np.repeat(np.arange(len(lines.layer)), np.diff(start)), start)
 
     def spacing(self, lines: Contours) -> FloatArray:
         """(S,) mm along the contour from each sample to the next one of its loop."""
@@ -83,21 +84,22 @@ class Projector:
     @cached_property
     def grid(self) -> PointGrid:
         """The points of the contours."""
-        return self._grid(np.arange(len(self.loop)), 1)
+        return self._grid(np.arange(len(self.loop)), 1, 2)
 
     @cached_property
     def sparse(self) -> PointGrid:
         """Every so many of them."""
         many = -(-np.diff(self.lines.start) // SPARSE)
         first = np.repeat(self.lines.start[:-1], many)
-        return self._grid(first + SPARSE * ranges(np.zeros(len(many), dtype=np.int64), many), SPARSE)
+        return self._grid(first + SPARSE * ranges(np.zeros(len(many), dtype=np.int64), many), SPARSE, 1)
 
-    def _grid(self, point: IntArray, every: int) -> PointGrid:
+    def _grid(self, point: IntArray, every: int, rings: int) -> PointGrid:
+        """Some of the points, every so many, in cells of which at most so many rings have to be looked through."""
         step = self.lines.length / np.maximum(np.diff(self.lines.start), 1)
         # A place lies at most half a step from a point, so that the search has to go that much farther.
         reach = self.threshold + float(step.max(initial=0.0)) * every / 2
         layer = self.lines.layer[self.loop[point]]
-        return PointGrid(self.lines.points[point], layer, reach / 2, table=False, name=point)
+        return PointGrid(self.lines.points[point], layer, reach / rings, table=False, name=point)
 
     @cached_property
     def spot(self) -> ComplexArray:
@@ -144,13 +146,13 @@ class Projector:
 
     def _above(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray]:
         image = np.full(len(query), np.nan)
-        point, asked = self._nearest_points(query, layer + 1, self.sparse)
+        point, asked = self._nearest_points(query, layer + 1, self.sparse, 1)
         arc, distance = self._walked(as_complex(query)[asked], point)
         image[asked] = np.where(distance <= self.threshold, arc, np.nan)
         return (image,)
 
     def _project(self, query: FloatArray, layer: IntArray) -> tuple[FloatArray, FloatArray]:
-        point, asked = self._nearest_points(query, layer, self.grid)
+        point, asked = self._nearest_points(query, layer, self.grid, 2)
         arc, distance = np.zeros(len(query)), np.full(len(query), np.inf)
         if len(asked):
             # The nearest place is on one of the two segments that meet in the nearest point.
@@ -162,38 +164,82 @@ class Projector:
         distance[distance > self.threshold] = np.inf
         return arc, distance
 
-    def nearby(self, query: ComplexArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The nearest place to each query point (Q,), found by going along the contour from a guessed one (Q,).
+    def nearby(self, query: ComplexArray, guess: FloatArray, loop: IntArray) -> tuple[FloatArray, FloatArray]:
+        """The nearest place to each query point (Q,), found by going along contours (Q,) from a guessed one (Q,).
 
         Returns:
             (Q,) arc and (Q,) distance in mm.
         """
-        arc, distance = in_chunks(self._nearby, query, guess, threads=False)
+        arc, distance = in_chunks(self._nearby, query, guess, loop, threads=False)
         return arc, distance
 
-    def _nearby(self, query: ComplexArray, guess: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return self._walked(query, np.searchsorted(self.lines.arc, guess, side="right") - 1)
+    def _nearby(self, query: ComplexArray, guess: FloatArray, loop: IntArray) -> tuple[FloatArray, FloatArray]:
+        lines = self.lines
+        first, end = lines.start.take(loop), lines.start.take(loop + 1)
+        # Points lie about evenly along a contour, and more so along a part of it.
+        density, point = (end - first) / lines.length.take(loop), first
+        for _ in range(2):
+            onward = np.floor((guess - lines.arc.take(point)) * density).astype(np.int64)
+            point = np.minimum(np.maximum(point + onward, first), end - 1)
+        return self._walked(query, point)
+
+    def beside(self, query: ComplexArray, place: FloatArray, point: IntArray) -> tuple[FloatArray, FloatArray]:
+        """How far the nearest place to each query point (Q,) lies beyond one near it, mm, and how far away it is.
+
+        Args:
+            query: (Q,) points.
+            place: (Q,) arcs of places near them.
+            point: (Q,) contour points near these. The contour is taken for straight there unless the way is long.
+
+        Returns:
+            (Q,) mm along the contour and (Q,) mm to the query point.
+        """
+        along, away = self.along.take(point, mode="clip"), query - self.spot.take(point, mode="clip")
+        square = np.maximum(squared(along), 1e-18)
+        way = dot(away, along)
+        distance = np.sqrt(np.maximum(squared(away) - way * way / square, 0.0))
+        way /= np.sqrt(square)
+        way -= place
+        way += self.lines.arc.take(point, mode="clip")
+        far = np.flatnonzero(np.abs(way) > FAR)
+        exact, distance[far] = self._walked(query[far], point[far])
+        exact -= place[far]
+        length = self.lines.length[self.loop[point[far]]]
+        way[far] = exact - length * np.rint(exact / length)
+        return way, distance
 
     def _walked(self, spot: ComplexArray, point: IntArray) -> tuple[FloatArray, FloatArray]:
         """As `nearby`, from contour points (Q,) on."""
-        loop = self.loop.take(point)
-        first, end = self.lines.start.take(loop), self.lines.start.take(loop + 1)
+        on, asked = np.arange(len(point)), spot
         for _ in range(WALKS):
-            along = self.along.take(point)
-            way = dot(spot - self.spot.take(point), along) / np.maximum(squared(along), 1e-18)
+            here = point.take(on)
+            along = self.along.take(here)
+            way = dot(asked - self.spot.take(here), along) / np.maximum(squared(along), 1e-18)
             np.minimum(np.maximum(way, -FARTHEST, out=way), FARTHEST, out=way)
-            point += np.floor(way, out=way).astype(np.int64)
-            over = np.flatnonzero((point < first) | (point >= end))
-            point[over] = first[over] + (point[over] - first[over]) % (end[over] - first[over])
+            step = np.floor(way, out=way).astype(np.int64)
+            moved = np.flatnonzero(step)
+            if not len(moved):
+                break
+            on = on.take(moved)
+            here, asked = here.take(moved), asked.take(moved)
+            loop = self.loop.take(here)
+            first, many = self.lines.start.take(loop), np.diff(self.lines.start).take(loop)
+            here += step.take(moved)
+            here -= first
+            here %= many
+            here += first
+            point[on] = here
         arc, gap = self._on_segments(spot, point)
         return arc, np.sqrt(gap)
 
-    def _nearest_points(self, query: FloatArray, layer: IntArray, grid: PointGrid) -> tuple[IntArray, IntArray]:
+    def _nearest_points(
+        self, query: FloatArray, layer: IntArray, grid: PointGrid, rings: int
+    ) -> tuple[IntArray, IntArray]:
         """The nearest contour point of queries that have any within reach, and which queries these are."""
         point, gap = self._least(query, layer, grid, 1)
         # What is nearer than a cell is certain; the others have to look one cell farther.
         again = np.flatnonzero(gap > grid.cell**2)
-        if len(again):
+        if len(again) and rings > 1:
             point[again], gap[again] = self._least(query[again], layer[again], grid, 2)
         asked = np.flatnonzero(np.isfinite(gap))
         return point[asked], asked

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..contours.contours import Contours, loop_of
+from ..lookup import Lookup
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import product
 from ..ragged import following, preceding, ranges
@@ -43,7 +46,7 @@ class Waves:
         self.loop, self.start = samples.loop, samples.start
         self.length = lines.length
         self.arc_start = lines.arc_start
-        self.arc = samples.arc
+        self.arc, self.lookup = samples.arc, Lookup(samples.arc)
         self.first = self.place = samples.arc - lines.arc_start[samples.loop]
         self.ahead, self.behind = following(self.start), preceding(self.start)
         self.first_gap = self.gap().astype(np.float32)
@@ -57,7 +60,7 @@ class Waves:
 
         Places before a contour's first sample lie in its last wave, one turn farther on.
         """
-        before = np.searchsorted(self.arc, arc, side="right") - 1
+        before = self.lookup.before(arc)
         wrapped = np.flatnonzero(before < self.start.take(loop))
         before[wrapped] = self.start[loop[wrapped] + 1] - 1
         along = arc - self.arc.take(before)
@@ -89,9 +92,13 @@ class Waves:
 
     def relocate(self, pairs: Pairs) -> None:
         """Find the samples before all places anew, where samples have moved past these by less than a spacing."""
-        share, before, along = (of.ravel() for of in (self.shares(pairs)[0], pairs.before, pairs.along))
+        share, before, along = self.shares(pairs)[0].ravel(), pairs.before.ravel(), pairs.along.ravel()
         astray = np.flatnonzero((share < 0) | (share >= 1))
-        old, early = before[astray], share[astray] < 0
+        self.pass_on(before, along, astray, share[astray] < 0)
+
+    def pass_on(self, before: IntArray, along: NDArray[Any], astray: IntArray, early: BoolArray) -> None:
+        """Give places `astray` (Q,) to the sample before theirs where they are `early` (Q,), else to the next one."""
+        old = before[astray]
         new = np.where(early, self.behind[old], self.ahead[old])
         along[astray] += np.where(early, self.first_gap[new], -self.first_gap[old])
         before[astray] = new
@@ -145,55 +152,84 @@ def pairs_between(
         apart: distance of the places in points of the contours.
     """
     lines = projector.lines
-    edge, point, query, arc = _places(projector, grid, node, apart)
-    low, along = waves.locate(arc, grid.loop[edge])
-    image, up = _images(projector, grid, edge, query, arc)
-    found = np.flatnonzero(~np.isnan(image) & (np.diff(waves.start)[up] > 0))
-    high, _ = waves.locate(image[found], up[found])
+    which, point, query, arc = _places(projector, grid, node, apart)
+    low, along = waves.locate(arc, grid.loop.take(node).take(which))
+    image, up, near = _images(projector, grid, node, which, query, arc)
+    found = np.flatnonzero(~np.isnan(image) & (np.diff(waves.start) > 0).take(up))
+    image, up = image.take(found), up.take(found)
+    high, above = waves.locate(image, up)
     shaped = free | free[waves.ahead]
-    some = np.flatnonzero(shaped[low[found]] | shaped[high])
-    found = found[some]
+    some = np.flatnonzero(shaped.take(low.take(found)) | shaped.take(high))
+    found = found.take(some)
     # Between nodes the image is near the line between theirs.
-    image, distance = projector.nearby(query[found], image[found])
-    some = np.flatnonzero(distance <= projector.threshold)
-    found = found[some]
-    high, above = waves.locate(image[some], up[found])
-    matters = weight.take(point[found]) * (apart * float(lines.arc_start[-1] / len(lines.arc)))
-    after = np.stack([along[found], above]).astype(np.float32)
-    return Pairs(np.stack([low[found], high]), after, matters.astype(np.float32))
+    beyond, distance = projector.beside(query.take(found), image.take(some), near.take(found))
+    above = above.take(some)
+    above += beyond
+    within = distance <= projector.threshold
+    if not within.all():
+        found, some, above = found[within], some[within], above[within]
+    high = high.take(some)
+    astray = np.flatnonzero((above < 0) | (above >= waves.first_gap.take(high)))
+    waves.pass_on(high, above, astray, above[astray] < 0)
+    matters = weight.take(point.take(found)) * (apart * float(lines.arc_start[-1] / len(lines.arc)))
+    after = np.stack([along.take(found), above]).astype(np.float32)
+    return Pairs(np.stack([low.take(found), high]), after, matters.astype(np.float32))
 
 
 def _places(
     projector: Projector, grid: PhaseGrid, node: IntArray, apart: float
 ) -> tuple[IntArray, IntArray, NDArray[np.complex128], FloatArray]:
-    """Places on the edges from nodes: (P,) the edge of each, the contour point before, where it is, and its arc."""
-    lines = projector.lines
-    loop, first = grid.loop[node], np.searchsorted(lines.arc, grid.arc)
-    last = np.where(grid.seam[node] > 0, lines.start[loop + 1], first[grid.ahead[node]])
+    """Places on the edges from nodes (Q,): (P,) which edge, the contour point before, where it is, and its arc."""
+    lines, begins = projector.lines, grid.point.take(node)
+    first, end = lines.start.take(grid.loop.take(node)), lines.start.take(grid.loop.take(node) + 1)
+    last = np.where(grid.seam.take(node) > 0, end, grid.point.take(grid.ahead.take(node)))
     # How many places lie before each edge's beginning and before its end.
-    begin, end = (np.ceil((point - lines.start[loop]) / apart).astype(np.int64) for point in (first[node], last))
-    edge, place = np.repeat(node, end - begin), apart * ranges(begin, end - begin)
+    begin, end = (np.ceil((point - first) / apart).astype(np.int64) for point in (begins, last))
+    which, place = np.repeat(np.arange(len(node)), end - begin), apart * ranges(begin, end - begin)
     point = place.astype(np.int64)
     place -= point
-    point += lines.start.take(grid.loop.take(edge))
-    away = projector.along.take(point) * place
-    query, arc = projector.spot.take(point) + away, lines.arc.take(point) + np.sqrt(squared(away))
-    return edge, point, query, arc
+    point += first.take(which)
+    query, arc = projector.spot.take(point), lines.arc.take(point)
+    if place.any():
+        away = projector.along.take(point) * place
+        query, arc = query + away, arc + np.sqrt(squared(away))
+    return which, point, query, arc
 
 
 def _images(
-    projector: Projector, grid: PhaseGrid, edge: IntArray, query: NDArray[np.complex128], arc: FloatArray
-) -> tuple[FloatArray, IntArray]:
-    """(P,) arcs of the images of places on the layer above, NaN where there is none, and (P,) their contours.
+    projector: Projector,
+    grid: PhaseGrid,
+    node: IntArray,
+    which: IntArray,
+    query: NDArray[np.complex128],
+    arc: FloatArray,
+) -> tuple[FloatArray, IntArray, IntArray]:
+    """(P,) arcs of the images of places on the layer above, NaN where there is none, (P,) their contours and points.
 
     They lie on the line between those of the edge's nodes; where these are torn apart, the place itself is projected.
     """
-    lines = projector.lines
-    image = grid.above[edge] + (arc - grid.arc[edge]) / grid.length[edge] * grid.step[edge]
-    up = grid.loop.take(grid.low.take(edge))
+    lines, low = projector.lines, grid.low.take(node)
+    slope, above = grid.step.take(node) / grid.length.take(node), grid.above.take(node)
+    # Contour points between the nodes around an image lie about evenly.
+    onward = grid.point[grid.ahead] + grid.seam.astype(np.int64) * np.diff(lines.start)[grid.loop]
+    rate = ((onward - grid.point) / grid.length).take(low)
+    rank = grid.point.take(low) + (above - grid.arc.take(low)) * rate
+    way = (arc - grid.arc.take(node).take(which)) * slope.take(which)
+    image, near = above.take(which) + way, way
+    near *= rate.take(which)
+    near += rank.take(which)
     torn = np.flatnonzero(np.isnan(image))
-    image[torn] = projector.above(query[torn].view(np.float64).reshape(-1, 2), lines.layer[grid.loop[edge[torn]]])
+    near[torn] = 0.0
+    near = np.minimum(near.astype(np.int64), len(lines.arc) - 1)
+    up = grid.loop.take(low).take(which)
+    here = grid.loop[node[which[torn]]]
+    image[torn] = projector.above(query[torn].view(np.float64).reshape(-1, 2), lines.layer[here])
     up[torn] = loop_of(lines, np.nan_to_num(image[torn]))
     bottom, top = lines.arc_start.take(up), lines.arc_start.take(up + 1)
-    image += (top - bottom) * ((image < bottom).astype(float) - (image >= top))
-    return image, up
+    beyond = np.flatnonzero((image < bottom) | (image >= top))
+    image[beyond] += np.where(image[beyond] < bottom[beyond], 1.0, -1.0) * (top - bottom)[beyond]
+    stray = projector.loop.take(near, mode="clip") != up
+    stray[beyond] = True
+    amiss = np.flatnonzero(stray)
+    near[amiss] = np.searchsorted(lines.arc, image[amiss], side="right") - 1
+    return image, up, near

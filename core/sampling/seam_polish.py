@@ -52,13 +52,15 @@ class Stage:
         steps: how many.
         doublings: p is 2 to this power.
         half: q₀, which counts half.
-        rate: the share of the Gauss-Newton step that is gone.
+        rate: the share of the Gauss-Newton step that is gone at first.
+        last: the share at last.
     """
 
     steps: int
     doublings: int
     half: float
     rate: float
+    last: float
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,8 @@ class Polish:
         around: how many samples around a seam may move.
         apart: distance of the places in points of the contours.
         exact: whether the error itself counts, not the slide.
+        few: where no more samples are near seams, `more` is done instead.
+        more: None if this is never to be.
     """
 
     stages: tuple[Stage, ...]
@@ -78,6 +82,8 @@ class Polish:
     around: int
     apart: float
     exact: bool = False
+    few: int = 0
+    more: Polish | None = None
 
 
 def polished(
@@ -101,6 +107,9 @@ def polished(
     lines, least = projector.lines, settings.wavelength
     waves = Waves(lines, samples)
     near, node = near_seams(grid, waves, effort.seam, effort.around)
+    if effort.more and np.count_nonzero(near) <= effort.few:
+        effort = effort.more
+        near, node = near_seams(grid, waves, effort.seam, effort.around)
     if not len(node):
         return samples, 0.0
     # Only where everything that a sample shapes is among the pairs.
@@ -114,6 +123,7 @@ def polished(
                 waves.relocate(pairs)
             velocity *= MOMENTUM
             step, stiff = _descent(waves, pairs, stage, effort.exact, stiff if number % STIFFENED else None)
+            step *= stage.rate + (stage.last - stage.rate) * number / max(stage.steps - 1, 1)
             velocity += step
             velocity *= free
             np.minimum(np.maximum(velocity, -LONGEST * least, out=velocity), LONGEST * least, out=velocity)
@@ -130,13 +140,15 @@ def polished(
 def _descent(
     waves: Waves, pairs: Pairs, stage: Stage, exact: bool, stiff: FloatArray | None
 ) -> tuple[FloatArray, FloatArray]:
-    """(S,) mm that each sample should move, and (S,) how stiff it is, if that is not given.
+    """(S,) the Gauss-Newton step of each sample in mm, and (S,) how stiff it is, if that is not given.
 
     Places are worked on in single precision, which is plenty.
     """
     share, steep = waves.shares(pairs)
-    pull, stiffness = (_by_error if exact else _by_slide)(share, pairs.importance, stage)
-    pull *= steep
+    (low, high), stiffness = (_by_error if exact else _by_slide)(share, pairs.importance, stage)
+    pull = np.empty_like(steep)
+    np.multiply(low, steep[0], out=pull[0])
+    np.multiply(high, steep[1], out=pull[1])
     share *= pull
     before, size = pairs.before.ravel(), len(waves.place)
 
@@ -152,27 +164,31 @@ def _descent(
     total, of_next = summed(pull), summed(share)
     total -= of_next
     total += of_next.take(waves.behind)
-    total *= -2 * stage.rate
+    total *= -2
     total /= stiff
     return total, stiff
 
 
-def _by_error(share: Singles, importance: Singles, stage: Stage) -> tuple[Singles, Singles]:
-    """(2, P) how fast the cost falls with the phase of each place, and how stiff it is there."""
+def _by_error(share: Singles, importance: Singles, stage: Stage) -> tuple[tuple[Singles, Singles], Singles]:
+    """How fast the cost falls with the phases of places and images, (P,) each, and (2, P) how stiff it is there."""
     low, high = np.cos(FULL * share)
     rise = FULL * np.sin(FULL * share)
     rise[1] *= -1
     slope = 2 * importance * (sharpness((low - high) ** 2, stage) + UNSEEN_ERROR)
-    return slope * (low - high) * rise, slope * rise**2
+    pull = slope * (low - high) * rise
+    return (pull[0], pull[1]), slope * rise**2
 
 
-def _by_slide(share: Singles, importance: Singles, stage: Stage) -> tuple[Singles, Singles]:
-    """The same of the slide: (2, P) and (P,)."""
+def _by_slide(share: Singles, importance: Singles, stage: Stage) -> tuple[tuple[Singles, Singles], Singles]:
+    """The same of the slide, of which both are as stiff: (P,)."""
     slide = FULL * (share[0] - share[1])
     cosine = np.cos(slide)
     slope = HALF * importance * (sharpness((1 - cosine) / 2, stage) + UNSEEN_SLIDE)
     pull = slope * np.sin(slide)
-    return np.stack([-pull, pull]), HALF * slope * (1 + 2 * LEAST_STIFFNESS + cosine)
+    cosine += 1 + 2 * LEAST_STIFFNESS
+    cosine *= slope
+    cosine *= HALF
+    return (-pull, pull), cosine
 
 
 def sharpness(cost: Singles, stage: Stage) -> Singles:

@@ -21,14 +21,19 @@ of all starts.
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from ..contours.contours import Contours, loop_of
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contours.contours import Contours
 from ..model import FloatArray, IntArray
 from ..parallel import product
 from ..records import dataclass
 from ..settings import PrintSettings
-from .phase_grid import PhaseGrid, on_grid
+from .phase_grid import PhaseGrid
+
+Singles = NDArray[np.float32]
 
 # Steps of each further search, where the plan left too many seams.
 MORE_STEPS = 400
@@ -78,6 +83,34 @@ class WavePlan:
     level: float
 
 
+class _Sums:
+    """Weighted sums of a few of K values for each of K results, most of them of one or two, in single precision."""
+
+    def __init__(self, result: IntArray, value: IntArray, weight: FloatArray, size: int) -> None:
+        """Take E weighted values for E results; `size` is K."""
+        # Two of each result, with weights of zero where there are fewer, and all others.
+        self.value, self.weight = np.zeros((2, size), dtype=np.int64), np.zeros((2, size), dtype=np.float32)
+        left, chosen = np.arange(len(result)), np.empty(size, dtype=np.int64)
+        for row in range(2):
+            theirs = result.take(left)
+            chosen[theirs] = left
+            is_one = chosen.take(theirs) == left
+            one, left = left.take(np.flatnonzero(is_one)), left.take(np.flatnonzero(~is_one))
+            theirs = result.take(one)
+            self.value[row, theirs], self.weight[row, theirs] = value.take(one), weight.take(one)
+        self.results, self.others, self.weights = result[left], value[left], _single(weight[left])
+        self.work = np.empty_like(self.weight)
+
+    def __call__(self, values: Singles, out: Singles) -> None:
+        """`out` (K,) of values (K,)."""
+        # Clipping, of which there is nothing to do, is quicker than checking.
+        values.take(self.value, out=self.work, mode="clip")
+        self.work *= self.weight
+        np.add(self.work[0], self.work[1], out=out)
+        if len(self.others):
+            np.add.at(out, self.results, values.take(self.others) * self.weights)
+
+
 class _Curl:
     """The linear map from waves and slides to births less deaths above each edge, and its transpose.
 
@@ -85,35 +118,27 @@ class _Curl:
     """
 
     def __init__(self, grid: PhaseGrid) -> None:
-        self.size = len(grid.arc)
-        cell, start, self.edge, weight = grid.rows()
-        self.weight = _single(weight)
-        self.entries = np.empty_like(self.weight)
+        self.size, self.grid = len(grid.arc), grid
+        cell, start, self.edge, self.weight = grid.rows()
         self.owner = np.repeat(cell, np.diff(start))
-        self.ahead, self.behind = grid.ahead, grid.behind
+        self.above = _Sums(self.owner, self.edge, self.weight, self.size)
+        self.below = _Sums(self.edge, self.owner, self.weight, self.size)
         self.whole = np.zeros(self.size)
         self.whole[cell] = 1.0
+        self.work = np.empty(self.size, dtype=np.float32)
 
-    def __call__(self, waves: FloatArray, slide: FloatArray) -> FloatArray:
-        """(K,) for waves (K,) and slides (K,)."""
-        above = np.bincount(self.owner, self._weighted(waves, self.edge), self.size).astype(np.float32)
-        above -= waves
-        above -= slide.take(self.ahead, mode="clip")
-        above += slide
-        return np.asarray(above)
+    def __call__(self, waves: Singles, slide: Singles, out: Singles) -> None:
+        """`out` (K,) for waves (K,) and slides (K,)."""
+        self.above(waves, out)
+        out -= waves
+        out += slide
+        out -= slide.take(self.grid.ahead, out=self.work, mode="clip")
 
-    def transposed(self, dual: FloatArray, out: FloatArray) -> None:
+    def transposed(self, dual: Singles, out: Singles) -> None:
         """`out` (2, K) for births less deaths (K,) that are none on torn edges."""
-        out[0] = np.bincount(self.edge, self._weighted(dual, self.owner), self.size)
+        self.below(dual, out[0])
         out[0] -= dual
-        np.subtract(dual, dual.take(self.behind, mode="clip"), out=out[1])
-
-    def _weighted(self, values: FloatArray, place: IntArray) -> FloatArray:
-        """(E,) values (K,) at the places of all entries, times their weights."""
-        # Clipping, of which there is nothing to do, is quicker than checking.
-        values.take(place, out=self.entries, mode="clip")
-        self.entries *= self.weight
-        return self.entries
+        np.subtract(dual, dual.take(self.grid.behind, out=self.work, mode="clip"), out=out[1])
 
     def row_sums(self) -> FloatArray:
         """Sums of the magnitudes of each row."""
@@ -122,7 +147,7 @@ class _Curl:
     def column_sums(self) -> tuple[FloatArray, FloatArray]:
         """Sums of the magnitudes of the columns of the waves and of the slides."""
         waves = np.bincount(self.edge, np.abs(self.weight), self.size) + self.whole
-        return waves, self.whole + self.whole.take(self.behind)
+        return waves, self.whole + self.whole.take(self.grid.behind)
 
 
 def planned(
@@ -138,16 +163,16 @@ def planned(
 
     Args:
         lines: the contours.
-        fine: a grid of all layers.
+        fine: a grid of as many layers, on which those of even fewer are made.
         grid: the grid of K nodes to plan on.
         layers: how many it goes by.
         search: how long to search.
         weight: (K,) what a birth or a death above the edge from each node costs, 1 as a rule.
         settings: the wavelength is used.
     """
-    grids, spanned = [(grid, layers)], 1
+    grids = [(grid, layers)]
     for span, stride, _ in reversed(search.spans):
-        fine, spanned = fine.spanning(lines, span, spanned, span * settings.wavelength / 2), span
+        fine = fine.spanning(lines, span, span * settings.wavelength / 2)
         grids.insert(0, (fine.every(lines, stride), span))
     first = grids[0][0]
     none = np.zeros(len(first.arc))
@@ -156,7 +181,7 @@ def planned(
     for number, ((coarse, span), steps) in enumerate(zip(grids, counts, strict=True)):
         if number:
             plan = _taken_over(lines, coarse, span, *grids[number - 1], plan)
-        node, _ = on_grid(grid, coarse)
+        node, _ = grid.at(coarse.arc)
         plan = _solved(coarse, weight[node], plan, steps * (WEIGHTED_STEPS if _uneven(weight) else 1), settings)
     return plan
 
@@ -173,20 +198,15 @@ def _taken_over(
     if not len(span.arc):
         usual = np.zeros(len(grid.arc))
         return WavePlan(usual, usual, usual, plan.level)
-    left = (int(lines.layer.max(initial=0)) - lines.layer[grid.loop]) % spanned
-    place, between = grid.arc, left > 0
-    for _ in range(spanned // layers - 1):
-        place = grid.carried(lines, place, left > 0)
-        left = left - layers
+    place, loop = grid.raised(lines, grid.arc, grid.loop, spanned)
     known = ~np.isnan(place)
-    there = np.where(known, place, 0.0)
-    node = np.maximum(np.searchsorted(span.arc, there, side="right") - 1, 0)
-    known &= span.loop[node] == loop_of(lines, there)
+    node = np.maximum(span.lookup.before(np.where(known, place, 0.0)), 0)
+    known &= span.loop[node] == loop
     cell, start, edge, weight = span.rows()
     owner = np.repeat(cell, np.diff(start))
     covered = np.bincount(edge, np.abs(weight), len(span.arc))
     below = np.bincount(edge, np.abs(weight) * plan.price[owner], len(span.arc)) / np.maximum(covered, 1e-9)
-    price = np.where(between, below[node], plan.price[node])
+    price = np.where(loop == grid.loop, plan.price[node], below[node])
     density = plan.waves[node] / span.length[node]
     usual = plan.waves.sum() / span.length.sum()
     return WavePlan(
@@ -226,17 +246,19 @@ def _solved(
     mean, step, keep, dual_step, bound, least, most = map(_single, (mean, step, keep, dual_step, bound, least, most))
     old = _single(np.stack([first.waves, first.slide, first.price * curl.whole, usual]))
     old[:2] = np.minimum(np.maximum(old[:2], least), most)
-    old[3], many, new = curl(*old[:2]), product(mean, old[0]), np.empty_like(old)
-    work = np.empty_like(old)
+    many, new, work = product(mean, old[0]), np.empty_like(old), np.empty_like(old)
+    curl(old[0], old[1], old[3])
     pull, price = work[:2], work[2]
     for number in range(steps):
         curl.transposed(old[2], pull)
-        pull[0] += level * mean - UNEVEN_COST
+        np.multiply(mean, level, out=price)
+        price -= UNEVEN_COST
+        pull[0] += price
         pull *= step
         np.multiply(keep, old[:2], out=new[:2])
         new[:2] -= pull
         np.minimum(np.maximum(new[:2], least, out=pull), most, out=new[:2])
-        new[3] = curl(new[0], new[1])
+        curl(new[0], new[1], new[3])
         np.subtract(new[3], old[3], out=price)
         price += new[3]
         price *= dual_step
@@ -254,7 +276,7 @@ def _solved(
     return WavePlan(waves, slide, price, level)
 
 
-def _single(values: FloatArray) -> FloatArray:
+def _single(values: FloatArray) -> NDArray[Any]:
     """In single precision, which is half as much to read and write."""
     return np.asarray(values, dtype=np.float32)
 

@@ -1,11 +1,14 @@
 """The last polish of the optimized sampling: what counts as seen, what it compares, that it leaves fewer seams."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.sampling.optimized import LONGER_POLISH, POLISH, QUICK_POLISH, optimized_samples
-from dualcolor.core.sampling.phase_grid import phase_grid
+from dualcolor.core.sampling.paper import sample
+from dualcolor.core.sampling.projected_grid import phase_grid
 from dualcolor.core.sampling.quality import seam_errors
 from dualcolor.core.sampling.samples import Projector, Samples
 from dualcolor.core.sampling.seam_pairs import Waves, pairs_between
@@ -28,7 +31,7 @@ def vase():
 @pytest.mark.parametrize("doublings", [1, 2, 3])
 def test_what_counts_as_seen_grows_as_it_should(doublings):
     error = np.linspace(0.01, 4.0, 400)
-    stage, power, step = Stage(1, doublings, 0.6, 0.1), 2.0**doublings, 1e-6
+    stage, power, step = Stage(1, doublings, 0.6, 0.1, 0.1), 2.0**doublings, 1e-6
 
     def counted(value):
         return value**power / (value**power + 0.6**power)
@@ -71,6 +74,19 @@ def test_polish_mends_samples_that_were_disturbed_and_tells_how_much_is_left(vas
     assert salient[0] > 0.02
     assert salient[1] < left * salient[0]
     assert seen == pytest.approx(salient[1], rel=0.1)
+
+
+def test_more_is_done_where_few_samples_are_near_seams(vase):
+    projector, weight = Projector(vase, SETTINGS.projection_threshold), np.ones(len(vase.arc))
+    samples, grid = sample(vase, projector, SETTINGS), phase_grid(vase, projector, SETTINGS)
+    more = replace(QUICK_POLISH, apart=2.0, few=0, more=None)
+    little = replace(QUICK_POLISH, few=0, more=more)
+
+    def seen(effort):
+        return polished(projector, grid, samples, weight, effort, SETTINGS)[1]
+
+    assert seen(replace(little, few=10**6)) == seen(more)
+    assert seen(little) == seen(replace(little, more=None)) != seen(more)
 
 
 def test_places_are_found_again_among_samples_that_have_moved(vase):

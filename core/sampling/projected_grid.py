@@ -1,0 +1,102 @@
+"""The phase grid of some contours: where its nodes are, and where these lie on the layer above.
+
+Few nodes are searched on the whole layer above; the others lie near where the images of their neighbors are.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..contours.contours import Contours, long_enough, loop_of
+from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import following, ranges, starts
+from ..settings import PrintSettings
+from .phase_grid import PhaseGrid, brought_back, grid_of, image_steps, lengths
+from .samples import Projector
+
+# Every so many contour points are projected as a rule, at least so many of each contour. One of so many points is
+# searched on the whole layer above, at least so many of a contour, but no more than every other of these; the others
+# are looked for near where their neighbors' images are.
+STATION_STRIDE, LEAST_NODES = 3, 8
+SEARCHED, LEAST_SEARCHED = 192, 4
+# Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
+TEAR = 1.0
+# So many times as many points are projected between torn neighbors.
+FINER = 4
+
+
+def phase_grid(
+    lines: Contours, projector: Projector, settings: PrintSettings, stride: int = STATION_STRIDE
+) -> PhaseGrid:
+    """A grid with a node every so many contour points, and closer ones where the surface is torn."""
+    usable = long_enough(lines.length, settings)
+    every = _strides(lines, stride)
+    many = np.where(usable, -(-np.diff(lines.start) // every), 0)
+    loop, rank = np.repeat(np.arange(len(many)), many), ranges(np.zeros(len(many), dtype=np.int64), many)
+    node = lines.start[loop] + rank * every[loop]
+    tear = TEAR * settings.wavelength
+    searched = rank % np.clip(many // LEAST_SEARCHED, 2, SEARCHED // every)[loop] == 0
+    above, up = _followed_images(lines, projector, node, loop, searched, usable, tear)
+    torn = np.flatnonzero(np.isnan(image_steps(lines, node, loop, above, up, tear)))
+    ahead = following(starts(many))[torn]
+    length = np.where(ahead > torn, node[ahead], lines.start[loop[torn] + 1]) - node[torn]
+    step = max(stride // FINER, 1)
+    many = (length - 1) // step
+    between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * step
+    image, there = _images(lines, projector, between, np.repeat(loop[torn], many), usable)
+    node, loop = np.append(node, between), np.append(loop, np.repeat(loop[torn], many))
+    order = np.argsort(node, kind="stable")
+    node, loop = node[order], loop[order]
+    above, up = np.append(above, image)[order], np.append(up, there)[order]
+    return grid_of(lines, node, loop, above, image_steps(lines, node, loop, above, up, tear))
+
+
+def _strides(lines: Contours, stride: int) -> IntArray:
+    """(M,) contour points from node to node."""
+    return np.minimum(stride, np.maximum(np.diff(lines.start) // LEAST_NODES, 1))
+
+
+def _followed_images(
+    lines: Contours,
+    projector: Projector,
+    node: IntArray,
+    loop: IntArray,
+    searched: BoolArray,
+    usable: BoolArray,
+    tear: float,
+) -> tuple[FloatArray, IntArray]:
+    """Images of contour points, of which some, the first of each contour among them, are searched on the whole layer.
+
+    Where neighbors of these have neighboring images, those of the points between them lie near the line between.
+    """
+    above, up = np.full(len(node), np.nan), np.zeros(len(node), dtype=np.int64)
+    point, own = node[searched], loop[searched]
+    image, there = _images(lines, projector, point, own, usable)
+    above[searched], up[searched] = image, there
+    arc = lines.arc[point]
+    step = image_steps(lines, point, own, image, there, tear)
+    length = lengths(lines, arc, own, following(starts(np.bincount(own, minlength=len(lines.layer)))))
+    owner = np.cumsum(searched) - 1
+    smooth = ~np.isnan(step) & (length > 0)
+    near = np.flatnonzero(~searched & smooth[owner])
+    at, owner = node[near], owner[near]
+    slope = step / np.maximum(length, 1e-9)
+    guess = brought_back(lines, image[owner] + slope[owner] * (lines.arc[at] - arc[owner]), there[owner])
+    place, distance = projector.nearby(projector.spot[at], guess, there[owner])
+    above[near], up[near] = np.where(distance <= projector.threshold, place, np.nan), there[owner]
+    others = np.flatnonzero(~searched & np.isnan(above))
+    above[others], up[others] = _images(lines, projector, node[others], loop[others], usable)
+    return above, up
+
+
+def _images(
+    lines: Contours, projector: Projector, point: IntArray, loop: IntArray, usable: BoolArray
+) -> tuple[FloatArray, IntArray]:
+    """Arcs of the images of points of contours on the layer above, and their contours.
+
+    NaN, with some contour, where none is near enough or carries the pattern.
+    """
+    above = projector.above(projector.spot[point].view(np.float64).reshape(-1, 2), lines.layer[loop])
+    up = loop_of(lines, np.nan_to_num(above))
+    above[~usable[up]] = np.nan
+    return above, up
