@@ -127,7 +127,8 @@ def _half_width(hull: FloatArray) -> float:
 
 def _inside(hull: FloatArray, places: FloatArray, printer: PrinterProfile) -> BoolArray:
     low, high = _reach(printer)
-    return np.asarray((places + hull.min(axis=0) >= low).all(axis=1) & (places + hull.max(axis=0) <= high).all(axis=1))
+    inside = (places + hull.min(axis=0) >= low) & (places + hull.max(axis=0) <= high)
+    return np.asarray(inside[:, 0] & inside[:, 1])
 
 
 def _free(hull: FloatArray, places: FloatArray, obstacles: shapely.Geometry, distance: float) -> BoolArray:

@@ -47,14 +47,16 @@ def shadow(lines: FloatArray, columns: NDArray[np.object_], settings: PrintSetti
         settings: the wave's length and depth and the extrusion width are used.
     """
     step = max(_SQUARE_MM, settings.wavelength / POINTS_PER_WAVELENGTH)
-    points = np.concatenate([lines, shapely.get_coordinates(shapely.segmentize(columns, step))])
+    points = lines
+    if len(columns):
+        points = np.concatenate([lines, shapely.get_coordinates(shapely.segmentize(columns, step))])
     if not len(points):
         return shapely.MultiPolygon()
     low, high = bounds(points)
     square = max(step, float((high - low).max()) / _MOST_SQUARES)
     across, up = (((axis - least) / square).astype(np.int32) for axis, least in zip(points.T, low, strict=True))
     covered = np.zeros((up.max() + 1, across.max() + 1), dtype=bool)
-    covered[up, across] = True
+    covered.ravel()[up * covered.shape[1] + across] = True
     change = np.diff(covered.astype(np.int8), axis=1, prepend=0, append=0)
     (row, begin), (_, end) = np.nonzero(change > 0), np.nonzero(change < 0)
     apart = (row[1:] > row[:-1]) | ((begin[1:] - end[:-1]) * square > _NARROW_MM)
