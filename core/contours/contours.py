@@ -31,6 +31,8 @@ POINTS_PER_WAVELENGTH = 6
 FILTER_SIGMA = 0.25
 # Thinner lines than this share of the extrusion width do not stick; a thinner wall gets overlapping lines.
 LEAST_WIDTH = 0.5
+# Walls of a little more than two lines get lines of up to this share: no line is thin enough for the gap behind them.
+MOST_WIDTH = 1.18
 # So much is kept clear between walls, mm: what is printed is within the chord tolerance of the waves.
 NARROW_GAP = 0.02
 # With so much air before it a wall is in no crease, mm.
@@ -64,7 +66,7 @@ class Contours:
         arc_start: (M + 1,) mm.
         face: (N,) int64, the face of the mesh at each point.
         carried: (N, C) u, v and, where the mesh has any, vertex tone at each point.
-        width: (N,) mm, line width: the one of the layer, less where the wall is thin.
+        width: (N,) mm, line width: the one of the layer, less where the wall is thin, or a little more.
         room_inside: (N,) mm, how far the line may be moved inwards without meeting anything; no more than `Reach`.
         room_outside: (N,) mm, the same outwards; with `hide_seams` up to `OPEN_AIR`.
     """
@@ -155,7 +157,9 @@ def contours(
         points[:, part] = filtered(resampled(outlines, even, first, last, face[part], carried[:, part]), own, kernel)
         normal[:, part] = _normals(points[:, part], own, kernel)
     widest, squashed = line_widths(layer, settings), elephant_foot(layer, settings)
-    most_inside = 2 * (float(widest.max(initial=0.0)) + reach.inwards)
+    greatest = float(widest.max(initial=0.0))
+    # Farther than the widest lines reach, so that what is thicker is seen to be.
+    most_inside = 2 * (greatest + max(reach.inwards, (2 * MOST_WIDTH - 2) * greatest))
     most_outside = 2 * (reach.outwards + NARROW_GAP) if reach.outwards else 0.0
     thickness, clearance = gaps(points, spacing, normal, start, layer, most_inside, most_outside)
     for first, last in runs:
@@ -196,7 +200,7 @@ def _inset(
     """
     inwards, outwards = reach
     outline, normal, width = lines.points[part].T, lines.normal[part].T, lines.width[part]
-    np.minimum(np.maximum(half, LEAST_WIDTH * widest), widest, out=width)
+    np.maximum(np.where(half > MOST_WIDTH * widest, widest, half), LEAST_WIDTH * widest, out=width)
     depth = np.minimum(width, half)
     depth /= 2
     if squash is not None:

@@ -180,8 +180,8 @@ def bridging(found: Bridges, island_layer: IntArray, settings: PrintSettings) ->
 def hatch_paths(hatching: Hatching, island_layer: IntArray) -> Paths:
     """Hatch all regions and join the lines.
 
-    The lines of skins end half a width before the boundary, since strands have round ends and the links to the next
-    line run there; so length times width is the region's area. Sparse lines end on the boundary, to hold on to the
+    The lines of skins end half a width before the boundary, earlier where it slants, and the links to the next line
+    run there; so length times width is the region's area. Sparse lines end on the boundary, to hold on to the
     wall.
     """
     width = hatching.width_mm

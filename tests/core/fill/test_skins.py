@@ -99,7 +99,7 @@ def test_walls_that_meet_have_no_line_between_them():
     assert np.abs(shapely.get_y(shapely.centroid(lines_of(paths, Feature.SKIN)))).min() > 6
 
 
-@pytest.mark.parametrize("thickness", [0.6, 0.8, 1.1, 1.2, 1.3, 1.4, 1.75, 1.8, 1.9, 2.0])
+@pytest.mark.parametrize("thickness", [0.6, 0.8, 0.85, 0.9, 0.94, 1.1, 1.2, 1.3, 1.4, 1.75, 1.8, 1.9, 2.0])
 def test_a_thin_wall_takes_as_much_plastic_as_it_has_room(thickness):
     """Whatever `infill_density` is for wider places, unless the print is to be hollow."""
     for density in (100.0, 10.0) if thickness > 1.6 else (10.0,):
@@ -115,7 +115,7 @@ def test_lines_across_narrow_walls_overfill_them_by_their_overlap_at_most(thickn
     assert 1.0 < printed_share(thickness, flat) < 1.01 + overlap
 
 
-@pytest.mark.parametrize("thickness", [0.6, 0.8, 1.0, 1.1])
+@pytest.mark.parametrize("thickness", [0.6, 0.8, 0.9, 1.0, 1.1])
 @pytest.mark.parametrize("pattern", ["wave", "wave_offset"])
 @pytest.mark.parametrize("perimeters", [0, 1])
 def test_a_wall_too_thin_for_waves_takes_no_more_than_it_has_room(thickness, pattern, perimeters):
