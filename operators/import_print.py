@@ -11,6 +11,7 @@ from ..bridge.strands.preview import build_preview
 from ..bridge.strands.print_file import read_print
 from ..core.errors import PrintError
 from .refusal import refused
+from .viewing import show_imported
 
 
 class DUALCOLOR_OT_import_print(ImportHelper, bpy.types.Operator):
@@ -28,6 +29,6 @@ class DUALCOLOR_OT_import_print(ImportHelper, bpy.types.Operator):
             read = read_print(Path(bpy.path.abspath(self.filepath)))
         except PrintError as problem:
             return refused(self, problem)
-        build_preview(read)
+        show_imported(context, build_preview(read))
         self.report({"INFO"}, f"{read.name}: {read.summary}")
         return {"FINISHED"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -29,11 +30,26 @@ def frame_in_other_views(context: bpy.types.Context, obj: bpy.types.Object) -> N
 
     A view that is left as it was may be inside it.
     """
-    low, high = bounds_mm([obj]) / mm_per_unit(context.scene)
-    for area in (area for screen in bpy.data.screens for area in screen.areas):
-        if area.type == "VIEW_3D" and area != context.area:
-            view = area.spaces.active.region_3d
-            view.view_location, view.view_distance = (low + high) / 2, _AWAY * float(np.linalg.norm(high - low))
+    areas = [area for screen in bpy.data.screens for area in screen.areas]
+    _frame([area for area in areas if area != context.area], [obj], mm_per_unit(context.scene))
+
+
+def show_imported(context: bpy.types.Context, made: bpy.types.Collection) -> None:
+    """Select the objects of a collection, and show them in the 3D views of the window, in which they may be a dot."""
+    if context.mode != "OBJECT":
+        return
+    for obj in context.selected_objects:
+        obj.select_set(False)
+    for obj in made.objects:
+        make_active(context, obj)
+    _frame(list(context.screen.areas) if context.screen else [], list(made.objects), mm_per_unit(context.scene))
+
+
+def _frame(areas: Sequence[bpy.types.Area], objects: Sequence[bpy.types.Object], unit: float) -> None:
+    """Have the 3D views among some areas see all of some objects, from where they look."""
+    low, high = bounds_mm(objects) / unit
+    for view in (area.spaces.active.region_3d for area in areas if area.type == "VIEW_3D"):
+        view.view_location, view.view_distance = (low + high) / 2, _AWAY * float(np.linalg.norm(high - low))
 
 
 def show_added(context: bpy.types.Context, obj: bpy.types.Object) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.input.metaballs import metaball_of
 from ..bridge.strands.preview import source_of
 
 STAGES = ("main", "prepare", "paint", "pattern", "print", "predict", "calibrate")
@@ -29,6 +30,6 @@ class ObjectPanel(Tab):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        """An object that can be printed is needed."""
+        """An object that can be printed is needed, no mere part of a metaball."""
         obj = source_of(context.object)
-        return obj is not None and obj.type in WITH_SURFACE
+        return obj is not None and obj.type in WITH_SURFACE and metaball_of(obj, context.scene) == obj

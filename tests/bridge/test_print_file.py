@@ -121,3 +121,18 @@ def test_the_operator(scene, gcode):
         dualcolor.unregister()
     (shown_print,) = [held for held in bpy.data.collections if held.objects]
     assert preview_of(shown_print.objects[0]) == shown_print
+
+
+def test_imported_strands_are_selected_and_seen_in_a_scene_of_meters(scene, gcode):
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    cube, areas = bpy.context.object, list(bpy.context.screen.areas)
+    view = next(area.spaces.active.region_3d for area in areas if area.type == "VIEW_3D")
+    assert view.view_distance > 2
+    dualcolor.register()
+    try:
+        bpy.ops.dualcolor.import_print(filepath=str(gcode))
+    finally:
+        dualcolor.unregister()
+    (made,) = [held for held in bpy.data.collections if "Dual-Color" in held.name]
+    assert set(bpy.context.selected_objects) == set(made.objects) and bpy.context.object in set(made.objects)
+    assert not cube.select_get() and 0.01 < view.view_distance < 0.5

@@ -105,3 +105,6 @@ def test_a_part_of_a_metaball_names_the_one_to_select(registered, action):
         bpy.ops.object.metaball_add(location=(place, 0, 0))
     with pytest.raises(RuntimeError, match="Select Mball first"):
         getattr(bpy.ops.dualcolor, action)()
+    assert not bpy.types.DUALCOLOR_PT_prepare.poll(bpy.context)
+    bpy.context.view_layer.objects.active = bpy.data.objects["Mball"]
+    assert bpy.types.DUALCOLOR_PT_prepare.poll(bpy.context)
