@@ -35,13 +35,15 @@ def frame_in_other_views(context: bpy.types.Context, obj: bpy.types.Object) -> N
 
 
 def show_imported(context: bpy.types.Context, made: bpy.types.Collection) -> None:
-    """Select the objects of a collection, and show them in the 3D views of the window, in which they may be a dot."""
-    if context.mode != "OBJECT":
+    """Show the strands of a file in the 3D views of the window, where they may be a dot, and in the sidebar.
+
+    None is selected, only one active: what is selected is drawn in the color of the selection.
+    """
+    if context.mode != "OBJECT" or not made.objects:
         return
     for obj in context.selected_objects:
         obj.select_set(False)
-    for obj in made.objects:
-        make_active(context, obj)
+    context.view_layer.objects.active = made.objects[0]
     _frame(list(context.screen.areas) if context.screen else [], list(made.objects), mm_per_unit(context.scene))
 
 

@@ -9,7 +9,7 @@ import bpy
 from ..bridge.input.mesh_input import WITH_SURFACE
 from ..bridge.input.metaballs import metaball_of
 from ..bridge.input.plate import objects_to_print
-from ..bridge.strands.preview import source_of
+from ..bridge.strands.preview import preview_of, source_of
 from .analysis import PANELS as ANALYSIS_PANELS
 from .calibrate import DUALCOLOR_PT_calibrate
 from .paint import DUALCOLOR_PT_paint
@@ -35,6 +35,10 @@ class DUALCOLOR_PT_main(Tab, bpy.types.Panel):
     def draw(self, context: bpy.types.Context) -> None:
         """The object, or what is missing."""
         obj = source_of(context.object)
+        print_of_file = preview_of(obj) if obj is not None and obj.type not in WITH_SURFACE else None
+        if print_of_file:
+            self.layout.label(text=print_of_file.name, icon="OUTLINER_COLLECTION", translate=False)
+            return
         if obj is None or obj.type not in WITH_SURFACE:
             self.layout.label(text="Select a mesh object", icon="INFO")
             self.layout.label(text="or Add > Dual-Color", icon="BLANK1")

@@ -123,7 +123,7 @@ def test_the_operator(scene, gcode):
     assert preview_of(shown_print.objects[0]) == shown_print
 
 
-def test_imported_strands_are_selected_and_seen_in_a_scene_of_meters(scene, gcode):
+def test_imported_strands_are_active_and_seen_in_a_scene_of_meters(scene, gcode):
     bpy.ops.mesh.primitive_cube_add(size=2)
     cube, areas = bpy.context.object, list(bpy.context.screen.areas)
     view = next(area.spaces.active.region_3d for area in areas if area.type == "VIEW_3D")
@@ -134,5 +134,5 @@ def test_imported_strands_are_selected_and_seen_in_a_scene_of_meters(scene, gcod
     finally:
         dualcolor.unregister()
     (made,) = [held for held in bpy.data.collections if "Dual-Color" in held.name]
-    assert set(bpy.context.selected_objects) == set(made.objects) and bpy.context.object in set(made.objects)
+    assert bpy.context.object in set(made.objects) and not bpy.context.selected_objects  # which would hide their colors
     assert not cube.select_get() and 0.01 < view.view_distance < 0.5
