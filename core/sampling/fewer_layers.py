@@ -17,7 +17,7 @@ from ..lookup import Lookup
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import sums
 from ..records import dataclass
-from .phase_grid import PhaseGrid, grid_of, image_steps
+from .phase_grid import PhaseGrid, image_steps, linked_grid
 from .whole_waves import Phase
 
 # A contour is kept where its images on the layer that is kept are longer or shorter by this share.
@@ -110,8 +110,7 @@ def fewer_layers(lines: Contours, grid: PhaseGrid, layers: int, tear: float) -> 
             kept[_lost(lines, grid, node, place[node], onto[node], tear)] = True
     stay = kept[grid.loop]
     node = np.flatnonzero(stay)
-    point, loop, above = grid.point[node], grid.loop[node], place[node]
-    few = grid_of(lines, point, loop, above, image_steps(lines, point, loop, above, onto[node], tear))
+    few = linked_grid(lines, grid.point[node], grid.loop[node], place[node], onto[node], tear)
     return FewerLayers(grid, _with_extremes(lines, grid, few, stay, place, onto, tear), stay, place, onto)
 
 
@@ -137,7 +136,7 @@ def _through(
 def _lost(lines: Contours, grid: PhaseGrid, node: IntArray, place: FloatArray, onto: IntArray, tear: float) -> IntArray:
     """The contours of nodes of which some arrive at no `place` (Q,), or whose length changes fast on the way."""
     loop, size = grid.loop[node], len(lines.layer)
-    step = np.abs(image_steps(lines, grid.point[node], loop, place, onto, tear))
+    step = np.abs(image_steps(lines, grid.next_among(node), grid.length[node], place, onto, tear))
     missing = np.bincount(loop, np.isnan(place), size) > 0
     length = np.bincount(loop, np.where(np.isnan(step), 0.0, grid.length[node]), size)
     change = np.bincount(loop, np.nan_to_num(step), size) - length
@@ -155,7 +154,7 @@ def _with_extremes(
 ) -> PhaseGrid:
     """The grid of fewer layers with what its edges have to hold on the layers between, too."""
     node = np.flatnonzero(~kept)
-    step = np.abs(image_steps(lines, grid.point[node], grid.loop[node], place[node], onto[node], tear))
+    step = np.abs(image_steps(lines, grid.next_among(node), grid.length[node], place[node], onto[node], tear))
     some = np.flatnonzero(step > SHRUNK * grid.length[node])
     ratio = grid.length[node[some]] / step[some]
     low = few.lookup.before(place[node[some]])

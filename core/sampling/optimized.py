@@ -43,7 +43,7 @@ QUICK_STRAY = 0.03
 # On a model with few waves near seams more steps are taken, at closer places: that takes no longer than on a large one.
 FEW_NEAR = 10_000
 SMALL_POLISH = Polish((Stage(24, 2, 0.25, 0.45, 0.25),), 0.05, 3, 2.0)
-QUICK_POLISH = Polish((Stage(11, 2, 0.25, 0.45, 0.25),), 0.08, 2, 3.0, few=FEW_NEAR, more=SMALL_POLISH)
+QUICK_POLISH = Polish((Stage(10, 2, 0.25, 0.45, 0.25),), 0.08, 2, 3.0, few=FEW_NEAR, more=SMALL_POLISH)
 QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0043, 0.0022
 # Then on all layers, on every so many nodes of the fine grid.
 COARSE_STRIDE = 4

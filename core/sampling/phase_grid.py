@@ -123,8 +123,13 @@ class PhaseGrid:
         """
         fine = np.flatnonzero(((int(lines.layer.max(initial=0)) - lines.layer) % layers == 0)[self.loop])
         above, up = self.raised(lines, self.above[fine], self.loop[self.low[fine]], layers)
-        point, loop = self.point[fine], self.loop[fine]
-        return grid_of(lines, point, loop, above, image_steps(lines, point, loop, above, up, tear))
+        return linked_grid(lines, self.point[fine], self.loop[fine], above, up, tear)
+
+    def next_among(self, node: IntArray) -> IntArray:
+        """(Q,) which of some nodes (Q,), all of some contours, comes next around the contour."""
+        number = np.empty(len(self.arc), dtype=np.int64)
+        number[node] = np.arange(len(node))
+        return np.asarray(number[self.ahead[node]])
 
     def every(self, lines: Contours, stride: int) -> PhaseGrid:
         """Only every so many nodes of each contour, at least four."""
@@ -167,25 +172,32 @@ class PhaseGrid:
 
 
 def image_steps(
-    lines: Contours, point: IntArray, loop: IntArray, above: FloatArray, up: IntArray, tear: float
+    lines: Contours, ahead: IntArray, length: FloatArray, above: FloatArray, up: IntArray, tear: float
 ) -> FloatArray:
     """Way from each image to the next along the contour above, the shorter way round; NaN where the surface is torn.
 
     Args:
         lines: the contours.
-        point: (Q,) the contour points, of contours `loop` (Q,).
-        loop: these.
-        above: (Q,) arcs of their images on contours `up` (Q,), NaN where there is none.
+        ahead: (Q,) which place comes next around the contour.
+        length: (Q,) mm, the way there.
+        above: (Q,) arcs of the places' images on contours `up` (Q,), NaN where there is none.
         up: these; any where there is no image.
         tear: neighbors whose images lie so many mm farther apart than they are torn.
     """
-    ahead = following(starts(np.bincount(loop, minlength=len(lines.layer))))
     step = above.take(ahead) - above
     around = lines.length.take(up)
     step -= around * np.rint(step / around)
-    own = lengths(lines, lines.arc[point], loop, ahead)
-    step[(up != up.take(ahead)) | (np.abs(step) > own + tear)] = np.nan
+    step[(up != up.take(ahead)) | (np.abs(step) > length + tear)] = np.nan
     return step
+
+
+def linked_grid(
+    lines: Contours, point: IntArray, loop: IntArray, above: FloatArray, up: IntArray, tear: float
+) -> PhaseGrid:
+    """As `grid_of`, of nodes (K,) with images on contours `up` (K,), torn where these are `tear` mm farther apart."""
+    grid = grid_of(lines, point, loop, above, np.empty(len(point)))
+    grid.step[:] = image_steps(lines, grid.ahead, grid.length, above, up, tear)
+    return grid
 
 
 def grid_of(lines: Contours, point: IntArray, loop: IntArray, above: FloatArray, step: FloatArray) -> PhaseGrid:

@@ -11,7 +11,7 @@ from ..contours.contours import Contours, long_enough, loop_of
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, ranges, starts
 from ..settings import PrintSettings
-from .phase_grid import PhaseGrid, brought_back, grid_of, image_steps, lengths
+from .phase_grid import PhaseGrid, brought_back, image_steps, lengths, linked_grid
 from .samples import Projector
 
 # Every so many contour points are projected as a rule, at least so many of each contour. One of so many points is
@@ -37,18 +37,20 @@ def phase_grid(
     tear = TEAR * settings.wavelength
     searched = rank % np.clip(many // LEAST_SEARCHED, 2, SEARCHED // every)[loop] == 0
     above, up = _followed_images(lines, projector, node, loop, searched, usable, tear)
-    torn = np.flatnonzero(np.isnan(image_steps(lines, node, loop, above, up, tear)))
-    ahead = following(starts(many))[torn]
+    ahead = following(starts(many))
+    step = image_steps(lines, ahead, lengths(lines, lines.arc[node], loop, ahead), above, up, tear)
+    torn = np.flatnonzero(np.isnan(step))
+    ahead = ahead[torn]
     length = np.where(ahead > torn, node[ahead], lines.start[loop[torn] + 1]) - node[torn]
-    step = max(stride // FINER, 1)
-    many = (length - 1) // step
-    between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * step
+    finer = max(stride // FINER, 1)
+    many = (length - 1) // finer
+    between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * finer
     image, there = _images(lines, projector, between, np.repeat(loop[torn], many), usable)
     node, loop = np.append(node, between), np.append(loop, np.repeat(loop[torn], many))
     order = np.argsort(node, kind="stable")
     node, loop = node[order], loop[order]
     above, up = np.append(above, image)[order], np.append(up, there)[order]
-    return grid_of(lines, node, loop, above, image_steps(lines, node, loop, above, up, tear))
+    return linked_grid(lines, node, loop, above, up, tear)
 
 
 def _strides(lines: Contours, stride: int) -> IntArray:
@@ -74,8 +76,9 @@ def _followed_images(
     image, there = _images(lines, projector, point, own, usable)
     above[searched], up[searched] = image, there
     arc = lines.arc[point]
-    step = image_steps(lines, point, own, image, there, tear)
-    length = lengths(lines, arc, own, following(starts(np.bincount(own, minlength=len(lines.layer)))))
+    ahead = following(starts(np.bincount(own, minlength=len(lines.layer))))
+    length = lengths(lines, arc, own, ahead)
+    step = image_steps(lines, ahead, length, image, there, tear)
     owner = np.cumsum(searched) - 1
     smooth = ~np.isnan(step) & (length > 0)
     near = np.flatnonzero(~searched & smooth[owner])
