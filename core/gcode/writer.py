@@ -13,8 +13,9 @@ from ..settings import PrintSettings
 from ..settings.header_text import written
 from ..toolpaths.move_times import layer_begins, move_seconds
 from ..toolpaths.moves import Moves
+from .lines import Lines
 from .numbers import TextArray, coordinate_texts, feedrate_texts, five_decimals, whole_texts, word
-from .program import PROGRESS, WIDTH_STEP, Lines, Program, joined, progress_lines, untimed_program
+from .program import PROGRESS, WIDTH_STEP, Program, joined, progress_lines, untimed_program
 
 _CHUNK_ROWS = 1 << 13  # a chunk's words stay in the processor's cache
 _MAX_COMMENT = 900

@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..gcode.program import Lines, Program
+from ..gcode.lines import Lines
+from ..gcode.program import Program
 from ..model import IntArray
 from ..records import dataclass
 from ..settings.printer import PrinterProfile
