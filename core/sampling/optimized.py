@@ -18,6 +18,8 @@ enough.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..contours.contours import Contours, long_enough
@@ -37,11 +39,11 @@ from .whole_waves import Phase, rounded
 # First all is done on every so many layers, with a node for so many contour points; neighbors are torn if their images
 # are so many wavelengths farther apart than they. From this share of the pattern on that is a visible seam, or the
 # second where it is told how much a seam matters, all is done anew with more care.
-LAYERS, STRIDE, TEAR = 4, 12, 2.0
+LAYERS, STRIDE, QUICK_SEARCHED, TEAR = 4, 12, 192, 2.0
 QUICK_SEARCH, QUICK_FIT = Search(((8, 2, 100),), 36), (2, 0, 4)
 QUICK_STRAY = 0.03
 # On a model with few waves near seams more steps are taken, at closer places: that takes no longer than on a large one.
-FEW_NEAR = 10_000
+FEW_NEAR, FEW_NEAR_FINE = 10_000, 5_000
 SMALL_POLISH = Polish((Stage(24, 2, 0.25, 0.45, 0.25),), 0.05, 3, 2.0)
 QUICK_POLISH = Polish((Stage(10, 2, 0.25, 0.45, 0.25),), 0.08, 2, 3.0, few=FEW_NEAR, more=SMALL_POLISH)
 QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0043, 0.0022
@@ -51,23 +53,17 @@ STRAY = 0.017
 SEARCH = Search(((16, 8, 100), (4, 6, 100), (2, 4, 150)), 25)
 # Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
 COARSE_FIT, FINE_FIT = (8, 1, 10), (2, 0, 8)
-POLISH = Polish((Stage(10, 2, 0.2, 0.35, 0.35),), 0.15, 2, 2.0)
+SMALL_FINE_POLISH = Polish((Stage(20, 2, 0.25, 0.45, 0.25),), 0.08, 2, 2.0)
+POLISH = Polish((Stage(10, 2, 0.2, 0.35, 0.35),), 0.15, 2, 2.0, few=FEW_NEAR_FINE, more=SMALL_FINE_POLISH)
 # Where more than this share of the pattern is a visible seam, or the second where it is told how much a seam matters, a
 # few more plans are tried, with longer fits; the best of all is polished longer from this share of it on.
 ENOUGH, ENOUGH_WEIGHED, FEW = 0.004, 0.0025, 0.8
 MORE_TRIES, LONGER_COARSE_FIT, LONGER_FINE_FIT = 2, (8, 1, 20), (4, 0, 12)
-LONGER_POLISH = Polish(
-    (
-        Stage(25, 1, 0.8, 0.2, 0.2),
-        Stage(25, 2, 0.7, 0.12, 0.12),
-        Stage(25, 3, 0.6, 0.06, 0.06),
-        Stage(25, 4, 0.53, 0.03, 0.03),
-    ),
-    0.1,
-    4,
-    0.4,
-    exact=True,
+LONGER_STAGES = ((1, 0.8, 0.2), (2, 0.7, 0.12), (3, 0.6, 0.06), (4, 0.53, 0.03))
+SMALL_LONGER_POLISH, LARGE_LONGER_POLISH = (
+    Polish(tuple(Stage(steps, *of, of[-1]) for of in LONGER_STAGES), 0.1, 4, 0.4, exact=True) for steps in (40, 25)
 )
+LONGER_POLISH = replace(LARGE_LONGER_POLISH, few=FEW_NEAR_FINE, more=SMALL_LONGER_POLISH)
 # The phase rises at least so much along each edge of the grid.
 LEAST_RISE = 1e-6
 # What nobody sees still counts by this much.
@@ -106,7 +102,7 @@ class _Planning:
     def _quick(self) -> tuple[Samples, float]:
         """Samples by a plan on fewer layers, and the share of the pattern that is a visible seam."""
         lines, settings = self.lines, self.settings
-        grid = phase_grid(lines, self.projector, settings, STRIDE)
+        grid = phase_grid(lines, self.projector, settings, STRIDE, QUICK_SEARCHED)
         layers = fewer_layers(lines, grid, LAYERS, TEAR * settings.wavelength)
         few, here = layers.few, self.weight[layers.few.point]
         price = np.minimum(here, here[few.ahead])
@@ -124,7 +120,9 @@ class _Planning:
         plan = planned(self.lines, self.fine, self.coarse, 1, SEARCH, price, self.settings)
         enough = ENOUGH if self.weight.min() == 1 else ENOUGH_WEIGHED
         best, seen = self._realized(plan, COARSE_FIT, FINE_FIT)
-        for _ in range(MORE_TRIES if seen > enough else 0):
+        for _ in range(MORE_TRIES):
+            if seen <= enough:
+                break
             plan = planned_further(self.coarse, plan, price, self.settings)
             found, left = self._realized(plan, LONGER_COARSE_FIT, LONGER_FINE_FIT)
             if left < seen:

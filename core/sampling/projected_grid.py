@@ -18,7 +18,7 @@ from .samples import Projector
 # searched on the whole layer above, at least so many of a contour, but no more than every other of these; the others
 # are looked for near where their neighbors' images are.
 STATION_STRIDE, LEAST_NODES = 3, 8
-SEARCHED, LEAST_SEARCHED = 192, 4
+SEARCHED, LEAST_SEARCHED = 96, 4
 # Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
 # So many times as many points are projected between torn neighbors.
@@ -26,16 +26,23 @@ FINER = 4
 
 
 def phase_grid(
-    lines: Contours, projector: Projector, settings: PrintSettings, stride: int = STATION_STRIDE
+    lines: Contours,
+    projector: Projector,
+    settings: PrintSettings,
+    stride: int = STATION_STRIDE,
+    searched_stride: int = SEARCHED,
 ) -> PhaseGrid:
-    """A grid with a node every so many contour points, and closer ones where the surface is torn."""
+    """A grid with a node every so many contour points, and closer ones where the surface is torn.
+
+    The second stride says how many points lie between those that are searched on the whole layer above.
+    """
     usable = long_enough(lines.length, settings)
     every = _strides(lines, stride)
     many = np.where(usable, -(-np.diff(lines.start) // every), 0)
     loop, rank = np.repeat(np.arange(len(many)), many), ranges(np.zeros(len(many), dtype=np.int64), many)
     node = lines.start[loop] + rank * every[loop]
     tear = TEAR * settings.wavelength
-    searched = rank % np.clip(many // LEAST_SEARCHED, 2, SEARCHED // every)[loop] == 0
+    searched = rank % np.clip(many // LEAST_SEARCHED, 2, searched_stride // every)[loop] == 0
     above, up = _followed_images(lines, projector, node, loop, searched, usable, tear)
     ahead = following(starts(many))
     step = image_steps(lines, ahead, lengths(lines, lines.arc[node], loop, ahead), above, up, tear)
