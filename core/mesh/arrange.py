@@ -91,7 +91,7 @@ def _first_free(
 
 
 def _around(settings: PrintSettings) -> float:
-    """Width around each object, mm: half its wave, a margin, and the widest of brim, raft and shield."""
+    """Width around each object, mm: the crests of its waves, a margin, and the widest of brim, raft and shield."""
     shield = settings.ooze_shield_distance + settings.extrusion_width if settings.ooze_shield else 0.0
     raft = settings.raft_margin if settings.raft_layers else 0.0
-    return settings.wave_depth_max / 2 + _LEAST_MARGIN_MM + max(settings.brim_width, raft, shield)
+    return settings.wave_crest + _LEAST_MARGIN_MM + max(settings.brim_width, raft, shield)

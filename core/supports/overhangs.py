@@ -54,7 +54,7 @@ def contacts(
     Args:
         cut: the slices.
         settings: `support_auto`, `support_threshold_angle`, the distances of supports, `layer_height`,
-            `extrusion_width`, `perimeters` and `wave_depth_max` are used.
+            `extrusion_width`, `perimeters` and those of the waves are used.
         wished: where supports are enforced and blocked.
         spanned: bridges that hold without supports, unless these are enforced.
     """
@@ -112,7 +112,7 @@ def _reach(layers: Layers, settings: PrintSettings) -> FloatArray:
 
 def _slant(settings: PrintSettings) -> int:
     """Layers within which the steepest supported slope leaves the air that is kept free beside the object."""
-    beside = settings.wave_depth_max / 2 + settings.support_xy_distance + settings.extrusion_width
+    beside = settings.wave_crest + settings.support_xy_distance + settings.extrusion_width
     rise = beside * np.tan(np.radians(settings.support_threshold_angle))
     return int(min(np.ceil(rise / settings.layer_height), _GREATEST_SLANT))
 

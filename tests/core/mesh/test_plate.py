@@ -47,15 +47,16 @@ def test_the_group_is_moved_as_one():
     np.testing.assert_allclose(places(pair, stay)[1], [[75, 4, 9], [80, 9, 19]])
 
 
+@pytest.mark.parametrize("pattern, crests", [("offset", 0.0), ("wave", 0.75)])
 @pytest.mark.parametrize("distance", [1.0, 8.0])
-def test_arranged_objects_stand_on_the_bed_clear_of_each_other(distance):
-    settings = ARRANGE.changed({"arrange_distance": distance})
+def test_arranged_objects_stand_on_the_bed_clear_of_each_other(distance, pattern, crests):
+    settings = ARRANGE.changed({"arrange_distance": distance, "pattern": pattern})
     models = [named(box((0, 0, k), (20 + 5 * k, 12, 9 + k)), f"box {k}") for k in range(7)]
     found = places(plate(models, settings), settings)
     boxes = [shapely.box(*bounds[0, :2], *bounds[1, :2]) for bounds in found]
     assert all(bounds[0, 2] == pytest.approx(0) for bounds in found)
     between = [a.distance(b) for k, a in enumerate(boxes) for b in boxes[:k]]
-    assert distance + SETTINGS.wave_depth_max <= min(between) <= distance + 4
+    assert distance + crests <= min(between) <= distance + crests + 3.3
     whole = shapely.union_all(boxes).bounds
     assert (np.abs(whole) <= [105, 73, 105, 73]).all()
     np.testing.assert_allclose(np.add(whole[:2], whole[2:]), 0, atol=1e-6)
