@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-_WAVES = ("wave_depth_min", "phase_shift_layers", "flat_layers", "sampling", "front", "front_angle",
+_WAVES = ("wave_depth_max", "wave_depth_min", "phase_shift_layers", "flat_layers", "sampling", "front", "front_angle",
           "seam_visibility", "hide_seams", "projection_threshold", "relaxation")  # fmt: skip
 _SUPPORTS = ("support_auto", "support_from", "support_threshold_angle", "dont_support_bridges", "support_spacing",
              "support_xy_distance", "support_z_distance", "support_interface_layers", "support_interface_spacing",
@@ -15,7 +15,6 @@ _TOWER = ("tower_placement", "tower_x", "tower_y", "tower_rotation", "tower_dist
 
 _NEEDS: tuple[tuple[Callable[[Any], bool], tuple[str, ...]], ...] = (
     (lambda chosen: chosen.pattern != "offset", _WAVES),
-    (lambda chosen: chosen.pattern != "offset" or chosen.support_enable or chosen.arrange, ("wave_depth_max",)),
     (lambda chosen: chosen.pattern != "wave", ("offset_max", "offset_onset")),
     (lambda chosen: chosen.sampling == "paper", ("relaxation",)),
     (lambda chosen: chosen.front, ("front_angle",)),
