@@ -51,8 +51,8 @@ def findings(
         settings: as used.
     """
     mesh, cut = wall.mesh, wall.cut
-    errors, slopes = wall.beside.errors.result(), wall.beside.slopes.result()
-    thin = thin_report(wall.beside.thin.result(), cut)
+    errors, slopes = wall.beside.errors.result(), paths.slopes.result()
+    thin = thin_report(paths.thin.result(), cut)
     report = _report(model, mesh, cut, moves, settings) | {"gcode": {"bytes": 0, "moves": len(paths.moves.tool)}}
     plain = single_color_seconds(paths.single_color.result(), moves, seconds, settings)
     report |= {"time_s": time_report(moves, settings, plain, seconds)}

@@ -11,6 +11,8 @@ from shapely import Geometry, get_parts
 from ..contours.contours import Contours
 from ..fill.paths import fill_areas, fill_lines, wall_areas
 from ..paths import Paths
+from ..printability.slopes import slope_report
+from ..printability.thin_features import ThinFeatures, thin_features
 from ..progress import Progress
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -45,6 +47,8 @@ class PrintedPaths:
         moves: the print in order.
         ordered: its paths.
         single_color: what is known of the same object in one color, worked out beside the stages.
+        thin: features too thin for a wall, worked out beside the stages.
+        slopes: the report's part on them, worked out beside the stages.
     """
 
     fill: Paths
@@ -53,6 +57,8 @@ class PrintedPaths:
     moves: Moves
     ordered: OrderedPaths
     single_color: Future[SingleColor]
+    thin: Future[ThinFeatures]
+    slopes: Future[dict[str, float]]
 
 
 def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> Generator[Progress, None, PrintedPaths]:
@@ -90,11 +96,13 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     below = Below(wall.beside.undersides.result(), known.outlines)
     beside = Surrounded(holding.paths, around.result(), below)
     paths = layered("order", in_order, in_order_anew, (outer, fill), beside, settings)
+    slopes = aside("slope report", slope_report, wall.beside.paint)
+    thin = aside("thin features", thin_features, cut, lines, settings)
     inner = Paths.joined([fill, holding.paths])
     # Not before: two threads of many short numpy calls take longer together than one after the other.
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
     moves = layered("toolpaths", moves_along, moves_along_anew, (paths, within), cut.layers, settings)
-    return PrintedPaths(fill, within, beside, moves, paths, alone)
+    return PrintedPaths(fill, within, beside, moves, paths, alone, thin, slopes)
 
 
 def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintSettings) -> Moves:

@@ -19,8 +19,7 @@ from ..mesh.triangles import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, ToneImage, TriangleMesh
 from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
 from ..pattern.wave import WavedOutlines, waved
-from ..printability.slopes import FaceContrast, face_contrast, slope_report
-from ..printability.thin_features import ThinFeatures, thin_features
+from ..printability.slopes import FaceContrast, face_contrast
 from ..progress import Progress
 from ..records import dataclass
 from ..sampling.optimized import optimized_samples
@@ -50,18 +49,14 @@ class WorkBeside:
         bridges: among these.
         errors: of the seams.
         paint: on the faces.
-        slopes: the report's part on them.
         undersides: of the mesh.
-        thin: features too thin for a wall.
     """
 
     closing: Future[Closing]
     bridges: Future[Bridges]
     errors: Future[SeamErrors]
     paint: Future[FaceContrast]
-    slopes: Future[dict[str, float]]
     undersides: Future[Undersides | None]
-    thin: Future[ThinFeatures]
 
 
 @dataclass(frozen=True)
@@ -125,10 +120,8 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     yield stages.begin(0.4, "texture")
     errors = aside("seam errors", seam_errors, lines, samples, projector)
     paint = aside("slopes", face_contrast, mesh, painting, settings)
-    slopes = aside("slope report", slope_report, paint)
     hanging = aside("undersides", undersides, mesh, cut.layers.plane, settings)
-    thin = aside("thin features", thin_features, cut, lines, settings)
-    beside = WorkBeside(closes, spanned, errors, paint, slopes, hanging, thin)
+    beside = WorkBeside(closes, spanned, errors, paint, hanging)
     yield stages.begin(0.45, "tone")
     tone = _tone(lines, samples, layers, mesh, model, painting, settings, stages) if early is None else early
     del painting  # as large as the moves that are to come
