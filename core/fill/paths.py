@@ -116,11 +116,12 @@ def fill_lines(
     """
     width = line_widths(island_layer, settings)
     solid, sparse = fill
-    bounded, narrow = walls[: len(walls) // 2], list(walls[len(walls) // 2 : -1])
+    *bounded, _ = walls
+    centers, narrow = bounded[: len(bounded) // 2], bounded[len(bounded) // 2 :]
     with ThreadPoolExecutor(1) as beside:  # GEOS triangulates the gaps while numpy hatches
         along_gaps = beside.submit(gap_paths, narrow, margins(settings), island_layer, width)
         lines = _hatched(solid, sparse, over_air, island_layer, settings)
-    return Paths.joined([wall_paths(list(bounded[1:]), island_layer, width), along_gaps.result(), *lines])
+    return Paths.joined([wall_paths(centers[1:], island_layer, width), along_gaps.result(), *lines])
 
 
 def _hatched(

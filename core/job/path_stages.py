@@ -96,10 +96,10 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     below = Below(wall.beside.undersides.result(), known.outlines)
     beside = Surrounded(holding.paths, around.result(), below)
     paths = layered("order", in_order, in_order_anew, (outer, fill), beside, settings)
+    # Not before: two threads of many short numpy calls take longer together than one after the other.
     slopes = aside("slope report", slope_report, wall.beside.paint)
     thin = aside("thin features", thin_features, cut, lines, settings)
     inner = Paths.joined([fill, holding.paths])
-    # Not before: two threads of many short numpy calls take longer together than one after the other.
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
     moves = layered("toolpaths", moves_along, moves_along_anew, (paths, within), cut.layers, settings)
     return PrintedPaths(fill, within, beside, moves, paths, alone, thin, slopes)

@@ -97,14 +97,13 @@ class PhaseGrid:
         Returns:
             (Q,) arcs, NaN of what does not lead there, and (Q,) their contours.
         """
-        left = ((int(lines.layer.max(initial=0)) - lines.layer) % layers > 0).take(loop)
+        passed = (int(lines.layer.max(initial=0)) - lines.layer) % layers > 0
         place, loop = place.copy(), loop.copy()
         for _ in range(layers):
-            asked = np.flatnonzero(left & ~np.isnan(place))
+            asked = np.flatnonzero(passed.take(loop) & ~np.isnan(place))
             if not len(asked):
                 break
             place[asked], loop[asked] = self._images(lines, place[asked])
-            left = ((int(lines.layer.max(initial=0)) - lines.layer) % layers > 0).take(loop)
         return place, loop
 
     def _images(self, lines: Contours, place: FloatArray) -> tuple[FloatArray, IntArray]:

@@ -52,8 +52,9 @@ def phase_grid(
     finer = max(stride // FINER, 1)
     many = (length - 1) // finer
     between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * finer
-    image, there = _images(lines, projector, between, np.repeat(loop[torn], many), usable)
-    node, loop = np.append(node, between), np.append(loop, np.repeat(loop[torn], many))
+    around = np.repeat(loop[torn], many)
+    image, there = _images(lines, projector, between, around, usable)
+    node, loop = np.append(node, between), np.append(loop, around)
     order = np.argsort(node, kind="stable")
     node, loop = node[order], loop[order]
     above, up = np.append(above, image)[order], np.append(up, there)[order]
