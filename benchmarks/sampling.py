@@ -27,8 +27,9 @@ from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402
 from dualcolor.core.sampling.optimized import optimized_samples  # noqa: E402
 from dualcolor.core.sampling.paper import sample  # noqa: E402
+from dualcolor.core.sampling.projector import Projector  # noqa: E402
 from dualcolor.core.sampling.quality import seam_errors  # noqa: E402
-from dualcolor.core.sampling.samples import Projector, Samples  # noqa: E402
+from dualcolor.core.sampling.samples import Samples  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.slicing.slices import slices  # noqa: E402
 

@@ -20,8 +20,8 @@ load_package()
 from dualcolor.core.contours.contours import contours  # noqa: E402
 from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
 from dualcolor.core.sampling.paper import sample  # noqa: E402
+from dualcolor.core.sampling.projector import Projector  # noqa: E402
 from dualcolor.core.sampling.quality import ERROR_FREE, SALIENT, SeamErrors, seam_errors  # noqa: E402
-from dualcolor.core.sampling.samples import Projector  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.slicing.slices import slices  # noqa: E402
 

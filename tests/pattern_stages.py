@@ -5,7 +5,7 @@ from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.wave import modulated, waved
 from dualcolor.core.sampling.paper import sample
-from dualcolor.core.sampling.samples import Projector
+from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 

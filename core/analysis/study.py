@@ -17,8 +17,9 @@ from ..pattern.wave import modulated
 from ..printability.slopes import FaceContrast, face_contrast, slope_report, slope_warnings
 from ..progress import Progress, drained
 from ..records import dataclass
+from ..sampling.projector import Projector
 from ..sampling.quality import SeamErrors
-from ..sampling.samples import Projector, Samples
+from ..sampling.samples import Samples
 from ..sampling.visibility import at_arcs, visibility_warnings
 from ..settings import PrintSettings
 from ..slicing.planes import Layers

@@ -8,7 +8,8 @@ from ..contours.contours import Contours
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import starts
 from ..records import dataclass
-from ..sampling.samples import Projector, Samples
+from ..sampling.projector import Projector
+from ..sampling.samples import Samples
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,9 @@ from ..progress import Progress
 from ..records import dataclass
 from ..sampling.optimized import optimized_samples
 from ..sampling.paper import sample
+from ..sampling.projector import Projector
 from ..sampling.quality import SeamErrors, seam_errors
-from ..sampling.samples import Projector, Samples
+from ..sampling.samples import Samples
 from ..sampling.visibility import seam_visibility
 from ..settings import PrintSettings
 from ..slicing.slices import Slices, slices

@@ -16,7 +16,7 @@ from ..mesh.components import connected
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import preceding
 from ..records import dataclass
-from ..sampling.samples import Projector
+from ..sampling.projector import Projector
 from ..settings import PrintSettings
 from .modulation import faded, layer_is_black, supported
 

@@ -30,7 +30,8 @@ from .fewer_layers import fewer_layers
 from .phase_fit import PhaseFit
 from .phase_grid import PhaseGrid
 from .projected_grid import phase_grid
-from .samples import Projector, Samples
+from .projector import Projector
+from .samples import Samples
 from .seam_polish import Polish, Stage, polished
 from .spacing import bounded
 from .wave_plan import Search, WavePlan, planned, planned_further

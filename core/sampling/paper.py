@@ -7,7 +7,8 @@ import numpy as np
 from ..contours.contours import Contours, long_enough, on_loop
 from ..model import BoolArray, FloatArray
 from ..settings import PrintSettings
-from .samples import Projector, Samples
+from .projector import Projector
+from .samples import Samples
 from .spacing import SLACK, filled, pruned, relaxed, spacings
 
 

@@ -12,7 +12,7 @@ from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, ranges, starts
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid, brought_back, image_steps, lengths, linked_grid
-from .samples import Projector
+from .projector import Projector
 
 # Every so many contour points are projected as a rule, at least so many of each contour. One of so many points is
 # searched on the whole layer above, at least so many of a contour, but no more than every other of these; the others

@@ -9,7 +9,8 @@ import numpy as np
 from ..contours.contours import Contours, loop_of, places
 from ..model import BoolArray, FloatArray, IntArray
 from ..records import dataclass
-from .samples import Projector, Samples
+from .projector import Projector
+from .samples import Samples
 
 # Distance between the probes, mm; the paper's 133,539 probes on LucyCat lie about 0.25 mm apart.
 PROBE_SPACING = 0.25

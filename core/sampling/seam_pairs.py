@@ -14,7 +14,8 @@ from ..parallel import product
 from ..ragged import following, preceding, ranges
 from ..records import dataclass
 from .phase_grid import PhaseGrid
-from .samples import Projector, Samples, squared
+from .projector import Projector, squared
+from .samples import Samples
 from .spacing import gaps
 
 Singles = NDArray[np.float32]

@@ -26,7 +26,8 @@ from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
-from .samples import Projector, Samples
+from .projector import Projector
+from .samples import Samples
 from .seam_pairs import FULL, HALF, Pairs, Singles, Waves, near_seams, pairs_between
 from .spacing import bounded, pushed
 

@@ -23,8 +23,9 @@ from dualcolor.core.errors import PrintError
 from dualcolor.core.mesh.surface_points import points_on_faces
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.printability.slopes import from_flat_deg
+from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import SeamErrors
-from dualcolor.core.sampling.samples import Projector, Samples
+from dualcolor.core.sampling.samples import Samples
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.solids import box, cylinder, lathe
 

@@ -21,7 +21,7 @@ from dualcolor.core.pattern.solid_regions import (
 )
 from dualcolor.core.pattern.wave import modulated
 from dualcolor.core.pipeline import generate
-from dualcolor.core.sampling.samples import Projector
+from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.strands.beads import strands

@@ -7,7 +7,7 @@ from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.ragged import sums
 from dualcolor.core.sampling.fewer_layers import fewer_layers
 from dualcolor.core.sampling.projected_grid import phase_grid
-from dualcolor.core.sampling.samples import Projector
+from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.whole_waves import Phase
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices

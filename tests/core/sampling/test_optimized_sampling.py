@@ -14,8 +14,8 @@ from dualcolor.core.pattern.wave import modulated, waved
 from dualcolor.core.sampling.optimized import optimized_samples
 from dualcolor.core.sampling.paper import sample
 from dualcolor.core.sampling.projected_grid import phase_grid
+from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
-from dualcolor.core.sampling.samples import Projector
 from dualcolor.core.sampling.spacing import bounded, pushed
 from dualcolor.core.sampling.wave_plan import Search, _Curl
 from dualcolor.core.settings import PrintSettings

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from dualcolor.core.contours.contours import long_enough
+from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
-from dualcolor.core.sampling.samples import Projector
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.pattern_stages import WAVE_OFFSET, lines_of, sampled
 from dualcolor.tests.solids import box, cylinder, joined, lathe

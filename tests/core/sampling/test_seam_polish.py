@@ -9,8 +9,9 @@ from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.sampling.optimized import LONGER_POLISH, POLISH, QUICK_POLISH, optimized_samples
 from dualcolor.core.sampling.paper import sample
 from dualcolor.core.sampling.projected_grid import phase_grid
+from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
-from dualcolor.core.sampling.samples import Projector, Samples
+from dualcolor.core.sampling.samples import Samples
 from dualcolor.core.sampling.seam_pairs import Waves, pairs_between
 from dualcolor.core.sampling.seam_polish import Stage, polished, sharpness
 from dualcolor.core.sampling.spacing import bounded

@@ -12,8 +12,8 @@ from dualcolor.core.job.wall_stages import pattern_samples
 from dualcolor.core.mesh.plate import plate
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pipeline import generate
+from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import SALIENT, seam_errors
-from dualcolor.core.sampling.samples import Projector
 from dualcolor.core.sampling.visibility import crease_visibility, front_visibility, seam_visibility, tone_visibility
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
