@@ -23,8 +23,8 @@ def starts(count: IntArray) -> IntArray:
     return np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
 
 
-def ranges(first: IntArray, count: IntArray) -> IntArray:
-    """The integers first[k], first[k] + 1, … (count[k] of them) for every k, one after the other."""
+def ranges(first: IntArray | int, count: IntArray) -> IntArray:
+    """The integers first[k], first[k] + 1, … (count[k] of them) for every k, or all k from one `first` on."""
     offsets = starts(count)
     return np.asarray(np.arange(offsets[-1]) + np.repeat(first - offsets[:-1], count))
 

@@ -177,7 +177,7 @@ def _along(seen: FloatArray, start: IntArray) -> tuple[FloatArray, IntArray]:
     step = seen[after] - seen
     count = np.maximum(np.ceil(np.hypot(step[:, 0], step[:, 1])), 1).astype(np.int64)
     before = np.repeat(np.arange(len(seen)), count)
-    share = ranges(np.zeros(len(count), dtype=np.int64), count) / count[before]
+    share = ranges(0, count) / count[before]
     return seen[before] + share[:, None] * step[before], before
 
 

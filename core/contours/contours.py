@@ -280,5 +280,5 @@ def places(lines: Contours, spacing: float) -> tuple[FloatArray, IntArray]:
     """Evenly spaced places on all contours, about `spacing` mm apart: their arcs (Q,) and loops (Q,)."""
     count = np.maximum(np.round(lines.length / spacing), 1).astype(np.int64)
     loop = np.repeat(np.arange(len(count)), count)
-    step = ranges(np.zeros(len(count), dtype=np.int64), count)
+    step = ranges(0, count)
     return lines.arc_start[loop] + (step + 0.5) * (lines.length / count)[loop], loop

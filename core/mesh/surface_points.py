@@ -39,7 +39,7 @@ def points_on_faces(corners: FloatArray, step: float) -> FacePoints:
     columns = np.maximum(np.ceil(edges.min(axis=1) / step), 1).astype(np.int64)
     count = rows * columns
     face = np.repeat(np.arange(len(corners)), count)
-    number = ranges(np.zeros(len(count), dtype=np.int64), count)
+    number = ranges(0, count)
     row, column = np.divmod(number, columns[face])
     away = (row + 0.5) / rows[face]
     across = away * (column + 0.5) / columns[face]

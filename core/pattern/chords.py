@@ -29,7 +29,7 @@ def chord_ends(points: FloatArray, first: IntArray, count: IntArray, last: IntAr
     """
     keep = np.zeros(points.shape[1], dtype=bool)
     parts = -(-count // PIECE_POINTS)
-    part, line = ranges(np.zeros_like(parts), parts), np.repeat(np.arange(len(parts)), parts)
+    part, line = ranges(0, parts), np.repeat(np.arange(len(parts)), parts)
     count, parts, first = count[line], parts[line], first[line]
     begin, end = first + part * count // parts, first + (part + 1) * count // parts
     stop = np.where(part + 1 == parts, last[line], end)

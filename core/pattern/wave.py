@@ -225,7 +225,7 @@ def _along(
 ) -> tuple[IntArray, FloatArray, IntArray, IntArray, FloatArray]:
     """Evenly spaced places along spans: the span of each, the share of the way along it, its `Contours.locate`."""
     row = np.repeat(piece, count + 1)
-    step = ranges(np.zeros(len(piece), dtype=np.int64), count + 1)
+    step = ranges(0, count + 1)
     share = step / np.repeat(np.maximum(count, 1), count + 1)
     loop = pieces.loop[row]
     arc = pieces.arc[row] + share * pieces.length[row]

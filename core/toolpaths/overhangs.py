@@ -103,7 +103,7 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
     columns, rows = end - begin + 1
     count = layers * columns * rows
     face = np.repeat(np.arange(len(count)), count)
-    number, row = np.divmod(ranges(np.zeros_like(count), count), rows.take(face))
+    number, row = np.divmod(ranges(0, count), rows.take(face))
     number, column = np.divmod(number, columns.take(face))
     layer = number + first.take(face)
     on[layer] = cells[layer, column + begin[0].take(face), row + begin[1].take(face)] = True
@@ -175,7 +175,7 @@ class _Lines:
         """
         count = np.maximum(np.ceil(self.length / longest), 1).astype(np.int64)
         of = np.repeat(np.arange(len(count)), count)
-        number = ranges(np.zeros_like(count), count)
+        number = ranges(0, count)
         pieces = count.take(of)
         middle = (number + 0.5) / pieces
         x, y = self.x.take(of) + middle * self.step_x.take(of), self.y.take(of) + middle * self.step_y.take(of)

@@ -63,7 +63,7 @@ def walks_along(
     start = starts(count + 2)
     places = np.empty((int(start[-1]), 2))
     places[start[:-1]], places[start[1:] - 1] = ends[:, 0], ends[:, 1]
-    step = ranges(np.zeros(len(count), dtype=np.int64), count)
+    step = ranges(0, count)
     pair = np.repeat(np.arange(len(count)), count)
     step = np.where(backwards[pair], count[pair] - 1 - step, step)
     places[ranges(start[:-1] + 1, count)] = vertices[first[pair] + step]
