@@ -17,8 +17,8 @@ from ..lookup import Lookup
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import sums
 from ..records import dataclass
+from .phase import Phase
 from .phase_grid import PhaseGrid, image_steps, linked_grid
-from .whole_waves import Phase
 
 # A contour is kept where its images on the layer that is kept are longer or shorter by this share.
 STEEP = 0.3

@@ -5,7 +5,8 @@ spacing leaves [λ, 2λ); four fifths of the visible seams are where it does. It
 Here four steps take its place, with the same projection, the same bounds and the same measure of seams:
 
 1. a grid of places on the contours, linked from layer to layer by projection (`phase_grid.py`, `projected_grid.py`);
-2. how many waves each stretch needs for the fewest births and deaths, a convex problem (`wave_plan.py`);
+2. how many waves each stretch needs for the fewest births and deaths: a convex problem (`wave_plan.py`), searched on
+   grids of fewer layers first (`coarse_to_fine.py`);
 3. whole waves from those fractions (`whole_waves.py`);
 4. the phase that slides least between layers, first on the coarse grid, then on the fine one (`phase_fit.py`).
 
@@ -23,50 +24,60 @@ from dataclasses import replace
 import numpy as np
 
 from ..contours.contours import Contours, long_enough
-from ..model import FloatArray, IntArray
-from ..ragged import ranges, sums
+from ..model import FloatArray
 from ..settings import PrintSettings
+from .coarse_to_fine import Level, Search, planned, planned_further
 from .fewer_layers import fewer_layers
-from .phase_fit import PhaseFit
-from .phase_grid import PhaseGrid
+from .phase import Phase
+from .phase_fit import FitEffort, PhaseFit
 from .projected_grid import phase_grid
 from .projector import Projector
 from .samples import Samples
 from .seam_polish import Polish, Stage, polished
 from .spacing import bounded
-from .wave_plan import Search, WavePlan, planned, planned_further
-from .whole_waves import Phase, rounded
+from .wave_plan import WavePlan
+from .whole_waves import rounded
 
-# First all is done on every so many layers, with a node for so many contour points; neighbors are torn if their images
-# are so many wavelengths farther apart than they. From this share of the pattern on that is a visible seam, or the
-# second where it is told how much a seam matters, all is done anew with more care.
+# First all is done on every so many layers, with a node for so many contour points, of which one in so many is searched
+# on the whole layer above; neighbors are torn if their images are so many wavelengths farther apart than they.
 LAYERS, STRIDE, QUICK_SEARCHED, TEAR = 4, 12, 192, 2.0
-QUICK_SEARCH, QUICK_FIT = Search(((8, 2, 100),), 36), (2, 0, 4)
+QUICK_SEARCH = Search((Level(layers=8, stride=2, steps=100),), steps=36)
+QUICK_FIT = FitEffort(rounds=2, plain=0, steps=4)
 QUICK_STRAY = 0.03
-# On a model with few waves near seams more steps are taken, at closer places: that takes no longer than on a large one.
+# On a model with few waves near seams the polish takes more steps, at closer places: that takes no longer than on a
+# large one.
 FEW_NEAR, FEW_NEAR_FINE = 10_000, 5_000
-SMALL_POLISH = Polish((Stage(24, 2, 0.25, 0.45, 0.25),), 0.05, 3, 2.0)
-QUICK_POLISH = Polish((Stage(10, 2, 0.25, 0.45, 0.25),), 0.08, 2, 3.0, few=FEW_NEAR, more=SMALL_POLISH)
+SMALL_POLISH = Polish((Stage(24, 2, 0.25, 0.45, 0.25),), seam=0.05, around=3, apart=2.0)
+QUICK_POLISH = Polish(
+    (Stage(10, 2, 0.25, 0.45, 0.25),), seam=0.08, around=2, apart=3.0, few=FEW_NEAR, more=SMALL_POLISH
+)
+# If more than this share of the pattern is then a visible seam, all is done anew on all layers. The second holds where
+# it is told how much a seam matters.
 QUICK_ENOUGH, QUICK_ENOUGH_WEIGHED = 0.0043, 0.0022
-# Then on all layers, on every so many nodes of the fine grid.
+# Then the plan is made on every so many nodes of the fine grid, and the phase fitted on both.
 COARSE_STRIDE = 4
 STRAY = 0.017
-SEARCH = Search(((16, 8, 100), (4, 6, 100), (2, 4, 150)), 25)
-# Rounds of the fit on the coarse and on the fine grid, how many of them are plain, and steps of each; the polish.
-COARSE_FIT, FINE_FIT = (8, 1, 10), (2, 0, 8)
-SMALL_FINE_POLISH = Polish((Stage(20, 2, 0.25, 0.45, 0.25),), 0.08, 2, 2.0)
-POLISH = Polish((Stage(10, 2, 0.2, 0.35, 0.35),), 0.15, 2, 2.0, few=FEW_NEAR_FINE, more=SMALL_FINE_POLISH)
-# Where more than this share of the pattern is a visible seam, or the second where it is told how much a seam matters, a
-# few more plans are tried, with longer fits; the best of all is polished longer from this share of it on.
-ENOUGH, ENOUGH_WEIGHED, FEW = 0.004, 0.0025, 0.8
-MORE_TRIES, LONGER_COARSE_FIT, LONGER_FINE_FIT = 2, (8, 1, 20), (4, 0, 12)
-LONGER_STAGES = ((1, 0.8, 0.2), (2, 0.7, 0.12), (3, 0.6, 0.06), (4, 0.53, 0.03))
-SMALL_LONGER_POLISH, LARGE_LONGER_POLISH = (
-    Polish(tuple(Stage(steps, *of, of[-1]) for of in LONGER_STAGES), 0.1, 4, 0.4, exact=True) for steps in (40, 25)
+SEARCH = Search((Level(16, 8, 100), Level(4, 6, 100), Level(2, 4, 150)), steps=25)
+COARSE_FIT, FINE_FIT = FitEffort(rounds=8, plain=1, steps=10), FitEffort(rounds=2, plain=0, steps=8)
+SMALL_FINE_POLISH = Polish((Stage(20, 2, 0.25, 0.45, 0.25),), seam=0.08, around=2, apart=2.0)
+POLISH = Polish(
+    (Stage(10, 2, 0.2, 0.35, 0.35),), seam=0.15, around=2, apart=2.0, few=FEW_NEAR_FINE, more=SMALL_FINE_POLISH
 )
+# If more than this share is still a visible seam, a few more plans are tried, with longer fits.
+ENOUGH, ENOUGH_WEIGHED = 0.004, 0.0025
+MORE_TRIES = 2
+LONGER_COARSE_FIT, LONGER_FINE_FIT = FitEffort(rounds=8, plain=1, steps=20), FitEffort(rounds=4, plain=0, steps=12)
+# If more than this part of that share is left, the best of all is polished longer, on the error itself.
+FEW = 0.8
+SHARPENED = (
+    Stage(25, 1, 0.8, 0.2, 0.2),
+    Stage(25, 2, 0.7, 0.12, 0.12),
+    Stage(25, 3, 0.6, 0.06, 0.06),
+    Stage(25, 4, 0.53, 0.03, 0.03),
+)
+LARGE_LONGER_POLISH = Polish(SHARPENED, seam=0.1, around=4, apart=0.4, exact=True)
+SMALL_LONGER_POLISH = replace(LARGE_LONGER_POLISH, stages=tuple(replace(stage, steps=40) for stage in SHARPENED))
 LONGER_POLISH = replace(LARGE_LONGER_POLISH, few=FEW_NEAR_FINE, more=SMALL_LONGER_POLISH)
-# The phase rises at least so much along each edge of the grid.
-LEAST_RISE = 1e-6
 # What nobody sees still counts by this much.
 LEAST_WEIGHT = 0.02
 
@@ -108,8 +119,8 @@ class _Planning:
         few, here = layers.few, self.weight[layers.few.point]
         price = np.minimum(here, here[few.ahead])
         plan = planned(lines, few, few, LAYERS, QUICK_SEARCH, price, settings)
-        phase = PhaseFit(few, rounded(lines, few, plan, QUICK_STRAY, settings), here, settings).solved(*QUICK_FIT)
-        samples = Samples.on(lines, bounded(lines, *whole_phases(grid, layers.everywhere(lines, phase)), settings))
+        phase = PhaseFit(few, rounded(lines, few, plan, QUICK_STRAY, settings), here, settings).solved(QUICK_FIT)
+        samples = Samples.on(lines, bounded(lines, *layers.everywhere(lines, phase).whole(grid), settings))
         return polished(self.projector, grid, samples, self.weight, QUICK_POLISH, settings)
 
     def _thorough(self) -> Samples:
@@ -132,30 +143,12 @@ class _Planning:
             best, _ = polished(self.projector, self.fine, best, self.weight, LONGER_POLISH, self.settings)
         return best
 
-    def _realized(
-        self, plan: WavePlan, coarse_fit: tuple[int, int, int], fine_fit: tuple[int, int, int]
-    ) -> tuple[Samples, float]:
+    def _realized(self, plan: WavePlan, coarse_fit: FitEffort, fine_fit: FitEffort) -> tuple[Samples, float]:
         """Samples by a plan, and the share of the pattern that is a visible seam."""
         lines, coarse, fine, settings = self.lines, self.coarse, self.fine, self.settings
         phase = rounded(lines, coarse, plan, STRAY, settings)
-        phase = PhaseFit(coarse, phase, self.here, settings).solved(*coarse_fit)
+        phase = PhaseFit(coarse, phase, self.here, settings).solved(coarse_fit)
         phase = Phase(phase.at(*coarse.at(fine.arc), coarse), phase.turns)
-        phase = PhaseFit(fine, phase, self.weight[fine.point], settings).solved(*fine_fit)
-        samples = Samples.on(lines, bounded(lines, *whole_phases(fine, phase), settings))
+        phase = PhaseFit(fine, phase, self.weight[fine.point], settings).solved(fine_fit)
+        samples = Samples.on(lines, bounded(lines, *phase.whole(fine), settings))
         return polished(self.projector, fine, samples, self.weight, POLISH, settings)
-
-
-def whole_phases(grid: PhaseGrid, phase: Phase) -> tuple[FloatArray, IntArray]:
-    """The arcs at which the phase is whole, and their contours."""
-    # The phase has to rise along the contour; where the fit has it fall, it rises a little instead.
-    rise = np.maximum(phase.waves(grid), LEAST_RISE)
-    rise *= (phase.turns / np.maximum(sums(rise, grid.start), LEAST_RISE))[grid.loop]
-    climbed = np.cumsum(rise) - rise
-    first = grid.start[grid.loop]
-    value = phase.value[first] + climbed - climbed[first]
-    begin = np.ceil(value - 1e-9)
-    count = (begin[grid.ahead] + grid.seam * phase.turns[grid.loop] - begin).astype(np.int64)
-    edge = np.repeat(np.arange(len(rise)), count)
-    whole = begin[edge] + ranges(np.zeros(len(count), dtype=np.int64), count)
-    share = np.clip((whole - value[edge]) / rise[edge], 0.0, 1.0)
-    return grid.arc[edge] + share * grid.length[edge], grid.loop[edge]

@@ -13,13 +13,15 @@ gradients, preconditioned by the diagonal.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..model import FloatArray
 from ..parallel import product
 from ..settings import PrintSettings
+from .phase import Phase
 from .phase_grid import PhaseGrid
-from .whole_waves import Phase
 
 # Stiffness of the spacing inside of its bounds and outside of them, against that of the link between layers.
 SOFT, HARD = 0.02, 20.0
@@ -28,6 +30,20 @@ MARGIN = 0.01
 # layers the latter is at most so much.
 VISIBLE, BROKEN, MOST_BROKEN = 0.1, 0.2, 0.4
 CONVERGED = 1e-8
+
+
+class FitEffort(NamedTuple):
+    """How long to fit.
+
+    Attributes:
+        rounds: how often the weights are chosen.
+        plain: in so many first rounds all sliding weighs the same.
+        steps: of conjugate gradients in each round, at most.
+    """
+
+    rounds: int
+    plain: int
+    steps: int
 
 
 class PhaseFit:
@@ -46,7 +62,7 @@ class PhaseFit:
         filled = grid.start[1:] > grid.start[:-1]
         self.first, self.last = grid.start[:-1][filled], grid.start[1:][filled] - 1
         self.share, linked = grid.share, grid.linked
-        self.wraps = grid.seam * phase.turns[grid.loop]
+        self.wraps = grid.closes * phase.turns[grid.loop]
         wrapped = self.share * self.wraps[grid.low]
         self.value = phase.value.copy()
         self.offset = np.rint(self._link(self.value, self._rise(self.value)) + wrapped) - wrapped
@@ -59,12 +75,9 @@ class PhaseFit:
         self.broken = np.minimum(BROKEN * grid.span, MOST_BROKEN)
         self.stiffness = (settings.wavelength / np.maximum(grid.length, 1e-9)) ** 2
 
-    def solved(self, rounds: int, plain: int, steps: int) -> Phase:
-        """The fitted phase after so many rounds of at most so many steps of conjugate gradients.
-
-        In the first `plain` rounds all sliding weighs the same.
-        """
-        for number in range(rounds):
+    def solved(self, effort: FitEffort) -> Phase:
+        """The fitted phase."""
+        for number in range(effort.rounds):
             rise = self._rise(self.value)
             waves = rise + self.wraps
             slide = self._link(self.value, rise) - self.offset
@@ -73,10 +86,10 @@ class PhaseFit:
             edge = np.where(inside, SOFT, HARD) * self.stiffness
             target = np.where(inside, self.target, target)
             link = self.weight
-            if number >= plain:
+            if number >= effort.plain:
                 square = slide**2
                 link = link * (1 + square / self.visible**2) / (1 + square**3 / self.broken**6)
-            self.value = self.value + self._step(edge, link, edge * (target - waves), -link * slide, steps)
+            self.value = self.value + self._step(edge, link, edge * (target - waves), -link * slide, effort.steps)
         return Phase(self.value, self.turns)
 
     def _rise(self, value: FloatArray) -> FloatArray:

@@ -29,7 +29,7 @@ class PhaseGrid:
         ahead: (K,) int64, the next node around the contour.
         behind: (K,) int64, the one before.
         length: (K,) mm, of each edge.
-        seam: (K,) 1 where the edge leads over the contour's beginning, else 0.
+        closes: (K,) 1 where the edge closes the contour, leading back to its first node, else 0.
         step: (K,) mm, from a node's image to the next node's along the contour above; NaN where the edge is torn.
         above: (K,) mm, the arc of the node's image; NaN where there is none.
         low: (K,) int64, the node before the image, 0 where there is none.
@@ -48,7 +48,7 @@ class PhaseGrid:
     ahead: IntArray
     behind: IntArray
     length: FloatArray
-    seam: FloatArray
+    closes: FloatArray
     step: FloatArray
     above: FloatArray
     low: IntArray
@@ -215,7 +215,7 @@ def grid_of(lines: Contours, point: IntArray, loop: IntArray, above: FloatArray,
         ahead=ahead,
         behind=behind,
         length=length,
-        seam=(ahead <= np.arange(size)).astype(float),
+        closes=(ahead <= np.arange(size)).astype(float),
         step=step,
         above=above,
         low=low,

@@ -39,7 +39,7 @@ def phase_grid(
     usable = long_enough(lines.length, settings)
     every = _strides(lines, stride)
     many = np.where(usable, -(-np.diff(lines.start) // every), 0)
-    loop, rank = np.repeat(np.arange(len(many)), many), ranges(np.zeros(len(many), dtype=np.int64), many)
+    loop, rank = np.repeat(np.arange(len(many)), many), ranges(0, many)
     node = lines.start[loop] + rank * every[loop]
     tear = TEAR * settings.wavelength
     searched = rank % np.clip(many // LEAST_SEARCHED, 2, searched_stride // every)[loop] == 0
@@ -51,7 +51,7 @@ def phase_grid(
     length = np.where(ahead > torn, node[ahead], lines.start[loop[torn] + 1]) - node[torn]
     finer = max(stride // FINER, 1)
     many = (length - 1) // finer
-    between = np.repeat(node[torn], many) + ranges(np.ones(len(torn), dtype=np.int64), many) * finer
+    between = np.repeat(node[torn], many) + ranges(1, many) * finer
     around = np.repeat(loop[torn], many)
     image, there = _images(lines, projector, between, around, usable)
     node, loop = np.append(node, between), np.append(loop, around)

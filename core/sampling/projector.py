@@ -65,7 +65,7 @@ class Projector:
         """Every so many of them."""
         many = -(-np.diff(self.lines.start) // SPARSE)
         first = np.repeat(self.lines.start[:-1], many)
-        return self._grid(first + SPARSE * ranges(np.zeros(len(many), dtype=np.int64), many), SPARSE, 1)
+        return self._grid(first + SPARSE * ranges(0, many), SPARSE, 1)
 
     def _grid(self, point: IntArray, every: int, rings: int) -> PointGrid:
         """Some of the points, every so many, in cells of which at most so many rings have to be looked through."""

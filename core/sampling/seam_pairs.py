@@ -27,12 +27,12 @@ HALF, FULL = np.float32(np.pi), np.float32(2 * np.pi)
 
 @dataclass(frozen=True)
 class Pairs:
-    """P places in the first and their images in the second row, and how much a seam between the two matters.
+    """P places (first row) and their images on the layer above (second row), and how much a seam between them matters.
 
     Attributes:
         before: (2, P) int64, the sample before each.
-        along: (2, P) mm, how far it lies after where that sample was at first.
-        importance: (P,) mm of contour.
+        along: (2, P) mm from where that sample was at first to the place.
+        importance: (P,) mm of contour that each place stands for, times its weight.
     """
 
     before: IntArray
@@ -40,8 +40,14 @@ class Pairs:
     importance: Singles
 
 
-class Waves:
-    """Samples that move, on contours set apart so that none leaves its own."""
+class MovingSamples:
+    """Samples that move along their contours, each counted from its contour's beginning so that it cannot leave it.
+
+    Attributes:
+        place: (S,) mm from the beginning of each one's contour; below 0 or beyond its end after moving over it.
+        first: (S,) the same before anything moved.
+        first_gap: (S,) mm from each sample to the next before anything moved.
+    """
 
     def __init__(self, lines: Contours, samples: Samples) -> None:
         self.loop, self.start = samples.loop, samples.start
@@ -57,9 +63,11 @@ class Waves:
         return gaps(self.place, self.start, self.length)
 
     def locate(self, arc: FloatArray, loop: IntArray) -> tuple[IntArray, FloatArray]:
-        """The sample before each of places on contours at first, and how far these lie after it, mm.
+        """The sample before each of Q places before anything has moved, and how many mm these lie after it.
 
-        Places before a contour's first sample lie in its last wave, one turn farther on.
+        Args:
+            arc: (Q,) the places.
+            loop: (Q,) their contours. What lies before a contour's first sample is in the wave after its last one.
         """
         before = self.lookup.before(arc)
         wrapped = np.flatnonzero(before < self.start.take(loop))
@@ -69,7 +77,7 @@ class Waves:
         return before, along
 
     def seen(self, pairs: Pairs, exact: bool) -> float:
-        """How many mm of the pairs are seen to be a seam, if not `exact` by their slide alone."""
+        """How many mm of contour show a seam: by the error at the places if `exact`, else by their slide."""
         share, _ = self.shares(pairs)
         if exact:
             low, high = np.cos(FULL * share)
@@ -80,19 +88,19 @@ class Waves:
         return product(pairs.importance[some], np.arccos(least / sine[some])) / (np.pi / 2)
 
     def shares(self, pairs: Pairs) -> tuple[Singles, Singles]:
-        """(2, P) how far each place lies on the way from the sample before to the next, and 1 by the mm between these.
+        """(2, P) which share of the way from the sample before to the next each place lies at, and (2, P) 1 / that way.
 
-        Where samples have moved past places since these were located, that is a little less than 0 or more than 1.
+        Where samples have moved past places since these were located, the share is a little below 0 or above 1.
         """
         moved, inverse = (self.place - self.first).astype(np.float32), (1 / self.gap()).astype(np.float32)
-        # Clipping, of which there is nothing to do, is quicker than checking.
+        # No index is out of range; with mode="clip" numpy saves itself the check.
         steep = inverse.take(pairs.before, mode="clip")
         share = pairs.along - moved.take(pairs.before, mode="clip")
         share *= steep
         return share, steep
 
     def relocate(self, pairs: Pairs) -> None:
-        """Find the samples before all places anew, where samples have moved past these by less than a spacing."""
+        """Find the sample before each place again; none may have moved past a place by more than one spacing."""
         share, before, along = self.shares(pairs)[0].ravel(), pairs.before.ravel(), pairs.along.ravel()
         astray = np.flatnonzero((share < 0) | (share >= 1))
         self.pass_on(before, along, astray, share[astray] < 0)
@@ -105,14 +113,17 @@ class Waves:
         before[astray] = new
 
 
-def near_seams(grid: PhaseGrid, waves: Waves, seam: float, around: int) -> tuple[BoolArray, IntArray]:
-    """Which samples are near a seam, and the nodes on whose edges or their images are waves that they shape.
+def near_seams(grid: PhaseGrid, waves: MovingSamples, seam: float, around: int) -> tuple[BoolArray, IntArray]:
+    """Which samples are near a seam, and on which edges of the grid something depends on them.
 
     Args:
         grid: of all layers.
         waves: the samples.
-        seam: where the error is greater than this at some phase is a seam.
+        seam: where the error exceeds this at some phase of the wave is a seam.
         around: how many samples on each side of a seam are near it.
+
+    Returns:
+        (S,) which samples are near a seam, and (Q,) the nodes at which those edges begin.
     """
     node = np.flatnonzero(grid.linked)
     own, up = grid.loop[node], grid.loop[grid.low[node]]
@@ -135,22 +146,22 @@ def near_seams(grid: PhaseGrid, waves: Waves, seam: float, around: int) -> tuple
 def pairs_between(
     projector: Projector,
     grid: PhaseGrid,
-    waves: Waves,
+    waves: MovingSamples,
     node: IntArray,
     free: BoolArray,
     weight: FloatArray,
     apart: float,
 ) -> Pairs:
-    """Places on the edges from nodes and their images among the samples, those that a free sample shapes.
+    """Places on edges of the grid and their images, as far as a sample that may move has a part in their phase.
 
     Args:
         projector: made for the contours.
         grid: of all layers.
         waves: the samples.
-        node: (Q,) int64, the edges' first nodes.
+        node: (Q,) int64, the nodes at which the edges begin.
         free: (S,) samples that may move.
         weight: (N,) how much a seam at each contour point matters.
-        apart: distance of the places in points of the contours.
+        apart: distance between places, in contour points.
     """
     lines = projector.lines
     which, point, query, arc = _places(projector, grid, node, apart)
@@ -183,7 +194,7 @@ def _places(
     """Places on the edges from nodes (Q,): (P,) which edge, the contour point before, where it is, and its arc."""
     lines, begins = projector.lines, grid.point.take(node)
     first, end = lines.start.take(grid.loop.take(node)), lines.start.take(grid.loop.take(node) + 1)
-    last = np.where(grid.seam.take(node) > 0, end, grid.point.take(grid.ahead.take(node)))
+    last = np.where(grid.closes.take(node) > 0, end, grid.point.take(grid.ahead.take(node)))
     # How many places lie before each edge's beginning and before its end.
     begin, end = (np.ceil((point - first) / apart).astype(np.int64) for point in (begins, last))
     which, place = np.repeat(np.arange(len(node)), end - begin), apart * ranges(begin, end - begin)
@@ -212,7 +223,7 @@ def _images(
     lines, low = projector.lines, grid.low.take(node)
     slope, above = grid.step.take(node) / grid.length.take(node), grid.above.take(node)
     # Contour points between the nodes around an image lie about evenly.
-    onward = grid.point[grid.ahead] + grid.seam.astype(np.int64) * np.diff(lines.start)[grid.loop]
+    onward = grid.point[grid.ahead] + grid.closes.astype(np.int64) * np.diff(lines.start)[grid.loop]
     rate = ((onward - grid.point) / grid.length).take(low)
     rank = grid.point.take(low) + (above - grid.arc.take(low)) * rate
     way = (arc - grid.arc.take(node).take(which)) * slope.take(which)

@@ -28,7 +28,7 @@ from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
 from .projector import Projector
 from .samples import Samples
-from .seam_pairs import FULL, HALF, Pairs, Singles, Waves, near_seams, pairs_between
+from .seam_pairs import FULL, HALF, MovingSamples, Pairs, Singles, near_seams, pairs_between
 from .spacing import bounded, pushed
 
 # α, where q is the error and where it comes from the slide.
@@ -106,7 +106,7 @@ def polished(
         settings: the wavelength is used.
     """
     lines, least = projector.lines, settings.wavelength
-    waves = Waves(lines, samples)
+    waves = MovingSamples(lines, samples)
     near, node = near_seams(grid, waves, effort.seam, effort.around)
     if effort.more and np.count_nonzero(near) <= effort.few:
         effort = effort.more
@@ -139,7 +139,7 @@ def polished(
 
 
 def _descent(
-    waves: Waves, pairs: Pairs, stage: Stage, exact: bool, stiff: FloatArray | None
+    waves: MovingSamples, pairs: Pairs, stage: Stage, exact: bool, stiff: FloatArray | None
 ) -> tuple[FloatArray, FloatArray]:
     """(S,) the Gauss-Newton step of each sample in mm, and (S,) how stiff it is, if that is not given.
 

@@ -26,24 +26,32 @@ def in_order(local: FloatArray, loop: IntArray) -> tuple[FloatArray, IntArray]:
 
 
 def spacings(local: FloatArray, loop: IntArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance from each sample to the next one around its loop and to the one before; samples come in order."""
+    """(S,) mm from each sample to the next one around its loop, and (S,) to the one before.
+
+    Args:
+        local: (S,) mm along its loop, increasing within each.
+        loop: (S,) of each sample, not decreasing.
+        length: (M,) mm of each loop.
+    """
     last = np.flatnonzero(np.append(loop[1:] != loop[:-1], len(loop) > 0))
     first = np.append(0, last[:-1] + 1)[: len(last)]
-    ahead, behind = np.empty(len(local)), np.empty(len(local))
-    np.subtract(local[1:], local[:-1], out=ahead[:-1])
-    ahead[last] = local[first] + length[loop[last]] - local[last]
+    ahead, behind = _gaps(local, first, last, length[loop[last]]), np.empty(len(local))
     behind[1:] = ahead[:-1]
     behind[first] = ahead[last]
     return ahead, behind
 
 
 def gaps(local: FloatArray, start: IntArray, length: FloatArray) -> FloatArray:
-    """(S,) distance from each sample to the next one around its loop, where each one's samples `start` (M + 1,)."""
+    """(S,) mm from each sample to the next one around its loop; `start` (M + 1,) is where each loop's samples start."""
     some = np.flatnonzero(start[1:] > start[:-1])
-    first, last = start[some], start[some + 1] - 1
+    return _gaps(local, start[some], start[some + 1] - 1, length[some])
+
+
+def _gaps(local: FloatArray, first: IntArray, last: IntArray, length: FloatArray) -> FloatArray:
+    """As `gaps`, given the first and the last sample of each loop that has any, and the length of these loops."""
     gap = np.empty_like(local)
     np.subtract(local[1:], local[:-1], out=gap[:-1])
-    gap[last] = local[first] + length[some] - local[last]
+    gap[last] = local[first] + length - local[last]
     return gap
 
 
@@ -104,7 +112,7 @@ def filled(
     gap = np.concatenate([gap, length[empty]])
     wide = np.flatnonzero(gap >= 2 * least - SLACK)
     parts = np.floor(gap[wide] / least + SLACK).astype(np.int64)
-    source, share = np.repeat(wide, parts - 1), ranges(np.ones(len(parts), dtype=np.int64), parts - 1)
+    source, share = np.repeat(wide, parts - 1), ranges(1, parts - 1)
     place = begin[source] + gap[source] * share / np.repeat(parts, parts - 1)
     local, loop = np.concatenate([begin, place]), np.concatenate([loop, loop[source]])
     return in_order(_on_contours(local, loop, length), loop)

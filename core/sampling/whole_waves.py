@@ -20,8 +20,8 @@ from ..contours.contours import Contours
 from ..lookup import Lookup
 from ..model import FloatArray, IntArray
 from ..ragged import starts, sums
-from ..records import dataclass
 from ..settings import PrintSettings
+from .phase import Phase
 from .phase_grid import PhaseGrid
 from .wave_plan import WavePlan
 
@@ -34,28 +34,6 @@ STEERED, HASTE = 0.3, 4.0
 # The phase's difference from the plan is smoothed so often in each layer, and may be mended so often.
 SMOOTHINGS = 2
 MENDINGS = 2
-
-
-@dataclass(frozen=True)
-class Phase:
-    """The phase of the waves on a grid: samples sit where it is whole.
-
-    Attributes:
-        value: (K,) at each node, counting on around its contour from the first node.
-        turns: (M,) int64, waves around each contour.
-    """
-
-    value: FloatArray
-    turns: IntArray
-
-    def waves(self, grid: PhaseGrid) -> FloatArray:
-        """(K,) waves on the edge from each node to the next."""
-        return np.asarray(self.value[grid.ahead] - self.value + grid.seam * self.turns[grid.loop])
-
-    def at(self, node: IntArray, share: FloatArray, grid: PhaseGrid) -> FloatArray:
-        """The phase on the way from nodes to the next ones."""
-        ahead = self.value[grid.ahead[node]] + grid.seam[node] * self.turns[grid.loop[node]]
-        return np.asarray(self.value[node] * (1 - share) + ahead * share)
 
 
 def feasible_turns(grid: PhaseGrid, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:

@@ -6,9 +6,9 @@ from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.ragged import sums
 from dualcolor.core.sampling.fewer_layers import fewer_layers
+from dualcolor.core.sampling.phase import Phase
 from dualcolor.core.sampling.projected_grid import phase_grid
 from dualcolor.core.sampling.projector import Projector
-from dualcolor.core.sampling.whole_waves import Phase
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import box, joined, lathe

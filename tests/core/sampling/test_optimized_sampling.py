@@ -11,13 +11,14 @@ from dualcolor.core.job.wall_stages import pattern_samples
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.strand_edges import widened
 from dualcolor.core.pattern.wave import modulated, waved
+from dualcolor.core.sampling.coarse_to_fine import Level, Search
+from dualcolor.core.sampling.curl import Curl
 from dualcolor.core.sampling.optimized import optimized_samples
 from dualcolor.core.sampling.paper import sample
 from dualcolor.core.sampling.projected_grid import phase_grid
 from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
 from dualcolor.core.sampling.spacing import bounded, pushed
-from dualcolor.core.sampling.wave_plan import Search, _Curl
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.tests.solids import box, cylinder, joined, lathe
@@ -83,7 +84,7 @@ def test_spacing_is_bounded_on_random_solids(seed, wavelength):
     """The bounds do not depend on how good the plan is: a rough one, which is quick, puts them to a harder test."""
     chosen = PrintSettings(wavelength=wavelength, **PAPER)
     lines = lines_of(random_solid(seed), chosen)
-    rough, quick = Search(((4, 6, 30),), 20), Search(((6, 1, 30),), 20)
+    rough, quick = Search((Level(4, 6, 30),), 20), Search((Level(6, 1, 30),), 20)
     for enough in (0.0, 1.0):
         with patch.multiple("dualcolor.core.sampling.optimized", SEARCH=rough, QUICK_SEARCH=quick, QUICK_ENOUGH=enough):
             for samples in both(lines, chosen)[:2]:
@@ -153,7 +154,7 @@ def test_curl_of_waves_that_follow_the_projection_is_none():
     """On a solid whose contours are alike, each stretch has as many waves as what lies above it."""
     lines = lines_of(cylinder(radius=6, height=3))
     grid = phase_grid(lines, Projector(lines, 0.6), DEFAULT)
-    curl = _Curl(grid.coarser(lines, 4))
+    curl = Curl(grid.coarser(lines, 4))
     coarse = grid.coarser(lines, 4)
     assert curl.whole.sum() == (np.diff(coarse.start)[:-1]).sum()
     many = len(coarse.arc)
@@ -266,7 +267,7 @@ def test_no_line_that_is_set_back_crosses_itself_or_another(data, name, black):
 
 
 def test_seams_go_where_they_matter_less(data):
-    """With the front alone visible, the seams there are fewer than without, and than a fifth of the paper's."""
+    """With the front alone visible, the seams there are fewer than without, and than a quarter of the paper's."""
     from dualcolor.tests.real_models import obj_model
 
     lines = lines_of(obj_model(data / "meshes" / "nc/kitten.obj", 54))

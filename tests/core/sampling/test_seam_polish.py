@@ -12,7 +12,7 @@ from dualcolor.core.sampling.projected_grid import phase_grid
 from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
 from dualcolor.core.sampling.samples import Samples
-from dualcolor.core.sampling.seam_pairs import Waves, pairs_between
+from dualcolor.core.sampling.seam_pairs import MovingSamples, pairs_between
 from dualcolor.core.sampling.seam_polish import Stage, polished, sharpness
 from dualcolor.core.sampling.spacing import bounded
 from dualcolor.core.settings import PrintSettings
@@ -45,7 +45,7 @@ def test_what_counts_as_seen_grows_as_it_should(doublings):
 def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(vase, apart):
     projector = Projector(vase, SETTINGS.projection_threshold)
     samples = optimized_samples(vase, projector, SETTINGS)
-    grid, waves = phase_grid(vase, projector, SETTINGS), Waves(vase, samples)
+    grid, waves = phase_grid(vase, projector, SETTINGS), MovingSamples(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.full(len(vase.arc), 0.5)
     pairs = pairs_between(projector, grid, waves, np.arange(len(grid.arc)), every, weight, apart)
     assert (pairs.along >= -1e-5).all()
@@ -93,7 +93,7 @@ def test_more_is_done_where_few_samples_are_near_seams(vase):
 def test_places_are_found_again_among_samples_that_have_moved(vase):
     projector = Projector(vase, SETTINGS.projection_threshold)
     samples = optimized_samples(vase, projector, SETTINGS)
-    grid, waves = phase_grid(vase, projector, SETTINGS), Waves(vase, samples)
+    grid, waves = phase_grid(vase, projector, SETTINGS), MovingSamples(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.ones(len(vase.arc))
     pairs = pairs_between(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 1.0)
     loop = samples.loop[pairs.before]
