@@ -29,7 +29,8 @@ from dualcolor.core.model import SurfaceModel  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
-from dualcolor.core.strands.beads import settled, strands  # noqa: E402
+from dualcolor.core.strands.settling import settled  # noqa: E402
+from dualcolor.core.strands.strands import strands  # noqa: E402
 from dualcolor.core.toolpaths.moves import Moves  # noqa: E402
 
 OUT = ROOT / "docs" / "gamut.md"

@@ -23,7 +23,7 @@ import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from dualcolor.bridge.measuring.instrument import Face, photograph  # noqa: E402
 from dualcolor.bridge.quiet import quiet_stdout  # noqa: E402
-from dualcolor.core.analysis.study import Analysis, analyze  # noqa: E402
+from dualcolor.core.analysis.analysis import Analysis, analyze  # noqa: E402
 from dualcolor.core.analysis.surface_curves import surface_points  # noqa: E402
 from dualcolor.core.contours.slant import slant_along  # noqa: E402
 from dualcolor.core.model import FloatArray, SurfaceModel  # noqa: E402

@@ -29,7 +29,7 @@ from .terminal import Progress, load_blender
 if TYPE_CHECKING:
     import bpy
 
-    from ..core.analysis.study import Analysis
+    from ..core.analysis.analysis import Analysis
 
 NAME = "analyze"
 HELP = "show seams, tracelines and slopes of the pattern, and which way up is best"
@@ -164,7 +164,7 @@ def _analyzed(args: argparse.Namespace, settings: PrintSettings, progress: Progr
 
     from ..bridge.input.image_input import load_image
     from ..bridge.input.plate import plate_model
-    from ..core.analysis.study import analyze
+    from ..core.analysis.analysis import analyze
 
     obj = _opened(args)
     image = load_image(args.texture) if args.texture else None

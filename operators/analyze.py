@@ -8,7 +8,7 @@ from ..bridge.analysis.orientations import keep_orientations
 from ..bridge.analysis.overlays import overlays_of, remove_analysis, show_analysis
 from ..bridge.properties import with_labels
 from ..bridge.strands.preview import source_of
-from ..core.analysis.study import analysis_steps
+from ..core.analysis.analysis import analysis_steps
 from .generate import active_model
 from .job import JobOperator, Steps
 from .polls import has_printable

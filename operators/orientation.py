@@ -7,7 +7,7 @@ import bpy
 from ..bridge.analysis.orientations import keep_orientations, orientations_of, turn
 from ..bridge.analysis.overlays import remove_analysis
 from ..bridge.strands.preview import source_of
-from ..core.analysis.study import orientations
+from ..core.analysis.analysis import orientations
 from ..core.errors import PrintError
 from .generate import active_model
 from .job import JobOperator, Steps

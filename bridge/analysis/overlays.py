@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core.analysis.study import Analysis
+from ...core.analysis.analysis import Analysis
 from ...core.analysis.surface_curves import (
     BIRTH_COLOR,
     DEATH_COLOR,

@@ -20,7 +20,8 @@ from ...core.errors import PrintError
 from ...core.model import Float32Array, FloatArray
 from ...core.records import dataclass
 from ...core.settings import PrintSettings
-from ...core.strands.beads import settled, strands
+from ...core.strands.settling import settled
+from ...core.strands.strands import strands
 from ...core.toolpaths.moves import Moves
 from ..pictures.render import BESIDE_THE_OBJECT, leaving_no_trace
 from ..pictures.render_rods import render_rods

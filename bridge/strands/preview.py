@@ -10,8 +10,9 @@ import bpy
 import numpy as np
 
 from ...core.model import FloatArray, TriangleMesh
-from ...core.strands.beads import settled, strands
-from ...core.strands.marks import marks, moves_of_layers, tone_of_moves
+from ...core.strands.point_attributes import moves_of_layers, point_attributes, tone_of_moves
+from ...core.strands.settling import settled
+from ...core.strands.strands import strands
 from ..input.mesh_input import evaluated_mesh
 from ..units import mm_per_unit
 from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers, strands_in
@@ -53,7 +54,9 @@ def build_preview(
     laid = settled(strands(result.moves), result.settings.sag)
     outlines = getattr(result, "outlines", None)  # what is read from a file tells nothing of tones
     tone = tone_of_moves(outlines, result.moves, result.settings.raft_layers) if outlines else None
-    new = strand_objects(laid, result.settings.black_tool, unit, origin, partial(marks, moves=result.moves, tone=tone))
+    new = strand_objects(
+        laid, result.settings.black_tool, unit, origin, partial(point_attributes, moves=result.moves, tone=tone)
+    )
     collection = preview_of(source) if source else _read_before(name)
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
     _replace_strands(collection, new, name)

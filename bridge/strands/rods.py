@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import PrintError
-from ...core.strands.beads import offsets
+from ...core.ragged import starts
 from ...core.strands.tubes import Rods
 from ..units import mm_per_unit
 from .scrubber import strands_in
@@ -26,7 +26,7 @@ def rods_of(collection: bpy.types.Collection) -> Rods:
         matrix = np.array(shown.matrix_world)
         world = (points @ matrix[:3, :3].T + matrix[:3, 3]) * unit
         across = radius * (unit * np.linalg.norm(matrix[:3, 0]))
-        parts.append(Rods(world, offsets(counts), across, radius * (unit * np.linalg.norm(matrix[:3, 2]))))
+        parts.append(Rods(world, starts(counts), across, radius * (unit * np.linalg.norm(matrix[:3, 2]))))
     if not parts:
         raise PrintError("there are no strands", "generate the toolpath first")
     return Rods.joined(parts)

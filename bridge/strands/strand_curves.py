@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.model import FloatArray, IntArray
-from ...core.strands.beads import Strands, split_by_roundness
+from ...core.strands.strands import Strands, split_by_roundness
 from ..pictures.plastics import plastic
 from .scrubber import STRANDS_KEY
 
@@ -27,7 +27,7 @@ def strand_objects(
     black_tool: int,
     unit: float,
     origin: FloatArray,
-    marks_of: Callable[[Strands], dict[str, NDArray[Any]]] = lambda laid: {},
+    attributes_of: Callable[[Strands], dict[str, NDArray[Any]]] = lambda laid: {},
     levels: int = _ROUNDNESS_LEVELS,
 ) -> list[bpy.types.Object]:
     """Strands as objects that are not linked to any collection yet, one per filament and height-to-width ratio.
@@ -37,12 +37,12 @@ def strand_objects(
         black_tool: the tool with the black filament.
         unit: mm that a scene unit is.
         origin: (3,) mm, where the strands' origin lies in the world.
-        marks_of: gives columns of values for the points of strands.
+        attributes_of: gives the attributes of the points of strands, by name.
         levels: of roundness, from oval to round.
     """
     parts, roundness = split_by_roundness(laid, levels)
     return [
-        _strand_object(kind, part, ratio, unit, origin, marks_of(part))
+        _strand_object(kind, part, ratio, unit, origin, attributes_of(part))
         for kind, members, ratio in _groups(parts, roundness, black_tool)
         for part in [parts.gathered(members)]
     ]

@@ -8,8 +8,8 @@ from ..errors import PrintError
 from ..model import FloatArray
 from ..pictures.viewing import Picture
 from ..printability.slopes import DEGRADED_DEG, GONE_DEG, from_flat_deg
+from .analysis import NO_SEAMS, Analysis
 from .picture import CLAY, Stroke, dots, draw
-from .study import NO_SEAMS, Analysis
 from .surface_curves import (
     BIRTH_COLOR,
     DEATH_COLOR,

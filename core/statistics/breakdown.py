@@ -130,13 +130,10 @@ def stretches(moves: Moves, seconds: FloatArray) -> tuple[Moves, FloatArray]:
 
 def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
     """Filament that each tool feeds in the end, retractions balanced: `tool0_mm`, `tool1_mm`, `tool0_g`, `tool1_g`."""
-    use = {}
-    fed = np.bincount(moves.tool, moves.filament, minlength=2).tolist()
-    for tool, diameter in enumerate((settings.filament_diameter_0, settings.filament_diameter_1)):
-        use[f"tool{tool}_mm"] = fed[tool]
-        cubic_mm = use[f"tool{tool}_mm"] * np.pi / 4 * diameter**2
-        use[f"tool{tool}_g"] = float(cubic_mm * settings.filament_density / 1000)
-    return {name: use[name] for name in ("tool0_mm", "tool1_mm", "tool0_g", "tool1_g")}
+    fed = np.bincount(moves.tool, moves.filament, minlength=2)
+    section = np.pi / 4 * np.array([settings.filament_diameter_0, settings.filament_diameter_1]) ** 2
+    grams = fed * section * settings.filament_density / 1000
+    return {f"tool{tool}_{unit}": float(of[tool]) for unit, of in (("mm", fed), ("g", grams)) for tool in (0, 1)}
 
 
 def tool_change_rows(moves: Moves) -> BoolArray:

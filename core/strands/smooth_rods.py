@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..model import FloatArray, IntArray
-from .beads import offsets
+from ..ragged import starts
 
 _PIECE = 1.2  # radii between points, at most
 _CAP = ((0.6, 0.8), (0.9, 0.44), (1.0, 0.02))  # radii beyond an end, and the share of the radius there
@@ -29,7 +29,7 @@ def for_smooth_curves(
     """
     if not len(points):
         return points, counts, radius
-    start = offsets(counts)
+    start = starts(counts)
     step = np.zeros_like(points)
     step[1:] = np.diff(points, axis=0)
     step[start[:-1]] = 0.0

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
-from ..ragged import ranges
+from ..ragged import ranges, starts
 from ..records import dataclass
-from .beads import Strands, offsets, semi_axes
+from .strands import Strands, semi_axes
 
 SIDES = 8
 _LONGEST_MITRE = 2.0
@@ -46,7 +46,7 @@ class Rods:
         """All lines of several tables in one."""
         return Rods(
             points=np.concatenate([part.points for part in parts]),
-            start=offsets(np.concatenate([np.diff(part.start) for part in parts])),
+            start=starts(np.concatenate([np.diff(part.start) for part in parts])),
             across=np.concatenate([part.across for part in parts]),
             up=np.concatenate([part.up for part in parts]),
         )
@@ -80,8 +80,8 @@ class Tubes:
 
 def count(rods: Rods) -> tuple[int, int]:
     """How many points and tubes `tubes` makes of lines."""
-    starts = _starts(rods)
-    return len(rods.points) + len(starts) - len(rods.start) + 1, len(starts)
+    first = _first_points(rods)
+    return len(rods.points) + len(first) - len(rods.start) + 1, len(first)
 
 
 def tubes(rods: Rods) -> Iterator[Tubes]:
@@ -96,13 +96,13 @@ def tubes(rods: Rods) -> Iterator[Tubes]:
 
 
 def _tubes(rods: Rods) -> Tubes:
-    starts = _starts(rods)
+    first = _first_points(rods)
     # A point at which a strand is cut is the last of one tube and the first of the next.
-    joined = ~np.isin(starts, rods.start[:-1])
-    last = np.append(starts[1:] - 1 + joined[1:], len(rods.points) - 1)
-    counts = last - starts + 1
-    points = ranges(starts, counts)
-    start = offsets(counts)
+    joined = ~np.isin(first, rods.start[:-1])
+    last = np.append(first[1:] - 1 + joined[1:], len(rods.points) - 1)
+    counts = last - first + 1
+    points = ranges(first, counts)
+    start = starts(counts)
     arriving, leaving = _directions(rods.points[points], start)
     ahead = _unit(arriving + leaving)
     side = _unit(np.stack([-ahead[:, 1], ahead[:, 0], np.zeros(len(ahead))], axis=1))
@@ -125,7 +125,7 @@ def _tubes(rods: Rods) -> Tubes:
     return Tubes(vertices, quads.reshape(-1, 4), np.concatenate([first_ring, last_ring]))
 
 
-def _starts(rods: Rods) -> IntArray:
+def _first_points(rods: Rods) -> IntArray:
     """The points at which tubes begin: those of strands, and sharp turns."""
     arriving, leaving = _directions(rods.points, rods.start)
     # The mitre is 1 / cos(a / 2) for a turn by the angle a.

@@ -10,7 +10,7 @@ from dualcolor.bridge.strands.preview import build_preview, is_print_shown, prev
 from dualcolor.bridge.strands.strand_curves import read_strands  # noqa: E402
 from dualcolor.bridge.units import mm_per_unit, use_millimeters  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
-from dualcolor.core.strands.beads import strands  # noqa: E402
+from dualcolor.core.strands.strands import strands  # noqa: E402
 from dualcolor.tests.strand_volume import volume_mm3  # noqa: E402
 
 

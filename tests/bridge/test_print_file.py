@@ -14,7 +14,7 @@ from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.core.errors import PrintError  # noqa: E402
 from dualcolor.core.pipeline import generate  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
-from dualcolor.core.strands.beads import strands  # noqa: E402
+from dualcolor.core.strands.strands import strands  # noqa: E402
 from dualcolor.core.x3g.writer import x3g_bytes  # noqa: E402
 from dualcolor.tests.printing import gcode_text, lengths  # noqa: E402
 from dualcolor.tests.solids import box  # noqa: E402

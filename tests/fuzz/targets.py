@@ -19,7 +19,7 @@ from dualcolor.core.pipeline import DualColorPrint, generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import PRESETS, read_preset, read_settings, settings_json
 from dualcolor.core.settings.printer import PRINTERS, printer_profile, read_profile
-from dualcolor.core.strands.beads import strands
+from dualcolor.core.strands.strands import strands
 from dualcolor.core.x3g.audit import audit
 from dualcolor.core.x3g.moves import moves_of_x3g
 from dualcolor.core.x3g.reader import read_x3g

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.analysis.analysis import NO_SEAMS, analyze, faded_share
 from dualcolor.core.analysis.figures import heatmap, slope_colors, slope_picture, traceline_picture
 from dualcolor.core.analysis.picture import CLAY, Stroke, dots, draw
-from dualcolor.core.analysis.study import NO_SEAMS, analyze, faded_share
 from dualcolor.core.analysis.surface_curves import (
     BIRTH_COLOR,
     DEGRADED_COLOR,

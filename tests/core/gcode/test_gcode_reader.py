@@ -8,7 +8,7 @@ from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.paths import Feature
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
-from dualcolor.core.strands.beads import strands
+from dualcolor.core.strands.strands import strands
 from dualcolor.tests.printing import OUTER_WALL, TOWER, TRAVEL, gcode_text, rosette, table
 from dualcolor.tests.real_models import obj_model
 from dualcolor.tests.solids import box

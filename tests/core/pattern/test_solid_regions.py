@@ -24,7 +24,7 @@ from dualcolor.core.pipeline import generate
 from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
-from dualcolor.core.strands.beads import strands
+from dualcolor.core.strands.strands import strands
 from dualcolor.core.texture.pyramid import build_pyramids
 from dualcolor.core.toolpaths.tool_turns import _ends, tool_of_layer
 from dualcolor.core.x3g.audit import audit

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core.analysis.study import analyze
+from dualcolor.core.analysis.analysis import analyze
 from dualcolor.core.contours.contours import contours
 from dualcolor.core.errors import SettingsError, TextureError
 from dualcolor.core.job.stage_cache import StageCache

@@ -5,8 +5,9 @@ import itertools
 import numpy as np
 import pytest
 from dualcolor.core.errors import OutputError, PrintError
-from dualcolor.core.strands.beads import Strands, settled
 from dualcolor.core.strands.mesh_files import write_mesh
+from dualcolor.core.strands.settling import settled
+from dualcolor.core.strands.strands import Strands
 from dualcolor.core.strands.tubes import SIDES, Rods, count, tubes
 from dualcolor.tests.strand_volume import volume_mm3
 

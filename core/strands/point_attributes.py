@@ -1,4 +1,4 @@
-"""Attributes of every point of the strands: for colors, and for showing a print move by move."""
+"""What is known of every point of the strands: for their colors, and for showing a print move by move."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from ..model import FloatArray, IntArray
 from ..paths import Feature
 from ..pattern.wave import WavedOutlines
 from ..toolpaths.moves import Moves
-from .beads import Strands
+from .strands import Strands
 
 NO_TONE = -1.0
 _CELL = 1e-4  # mm; places that are nearer are the same
 _BITS = 22  # of a coordinate in cells, enough for beds of 400 mm
 
 
-def marks(laid: Strands, moves: Moves, tone: FloatArray | None = None) -> dict[str, NDArray[Any]]:
-    """Columns of N values, one for each point.
+def point_attributes(laid: Strands, moves: Moves, tone: FloatArray | None = None) -> dict[str, NDArray[Any]]:
+    """Attributes by name, (N,) values each, one for every point.
 
     `move` is the number of its move within the layer, counting those that extrude; `speed` is in mm/s, `unsupported`
     in mm; `tone` is what was asked for there, `NO_TONE` where nothing was.

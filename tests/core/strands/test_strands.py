@@ -5,8 +5,9 @@ import itertools
 import numpy as np
 import pytest
 from dualcolor.core.paths import Feature
-from dualcolor.core.strands.beads import Strands, sag_depth, semi_axes, settled, split_by_roundness, strands
+from dualcolor.core.strands.settling import sag_depth, settled
 from dualcolor.core.strands.spans import FARTHEST, unsupported_distance
+from dualcolor.core.strands.strands import Strands, semi_axes, split_by_roundness, strands
 from dualcolor.core.toolpaths.moves import Moves
 from dualcolor.tests.strand_volume import volume_mm3
 
