@@ -5,7 +5,8 @@ Why the waved wall is held back twice:
 *Curvature.* The firmware limits how much the speed of an axis may jump in a corner, not how fast a curve of many short
 chords is taken: at 30 mm/s a crest with 0.15 mm radius would ask for 6000 mm/s², and the belts answer with ringing. So
 v² / radius stays below `max_curve_acceleration`, by default what the firmware grants an axis, 1000 mm/s². This, not
-`wave_speed`, decides how long a waved wall takes.
+`wave_speed`, decides how long a waved wall takes. Corners that the firmware does slow down for, as those of zigzags,
+set no limit: the lines between them would be slow all along.
 
 *Rate of moves.* Sailfish keeps 16 moves in its queue. The much quoted 20 ms apply to a move that meets an empty queue
 (`ACCELERATION_MIN_SEGMENT_TIME`); below `ACCELERATION_SLOWDOWN_LIMIT` (4 to 8) queued moves it scales the speed down
@@ -53,14 +54,15 @@ def extrusion_speeds(
     fed = height * max(settings.extrusion_multipliers)
     traveled = np.zeros(len(length) + 1)
     np.cumsum(length, out=traveled[1:])
-    queue, seconds = settings.printer_profile.queue_moves, settings.min_move_time / 1000
+    printer, seconds = settings.printer_profile, settings.min_move_time / 1000
+    queue, jump = printer.queue_moves, min(printer.max_speed_change_mm_s[:2])
     speed = np.repeat(asked, np.diff(paths.start))
     if paths.over_air is not None and settings.overhang_speed:
         np.minimum(speed, settings.overhang_speed, out=speed, where=paths.over_air)
     for begin in range(0, len(speed), CHUNK_ROWS):
         here = slice(begin, min(begin + CHUNK_ROWS, len(speed)))
         wanted, path = speed[here], _paths_of(paths.start, here)
-        limit = curve_limit(paths, length, here, settings.max_curve_acceleration)
+        limit = curve_limit(paths, length, here, settings.max_curve_acceleration, jump)
         # A chord that takes its time at the speed asked for is never a burden, whatever its neighbors are.
         short = np.flatnonzero(length[here] < wanted * seconds)
         rate = move_time_limit(paths, traveled, short + begin, path[short], seconds, queue)
@@ -107,17 +109,18 @@ def _distances(near: FloatArray, far: FloatArray) -> tuple[FloatArray]:
     return (summable(np.sqrt(x * x + y * y)),)
 
 
-def curve_limit(paths: OrderedPaths, length: FloatArray, here: slice, acceleration: float) -> FloatArray:
+def curve_limit(paths: OrderedPaths, length: FloatArray, here: slice, acceleration: float, jump: float) -> FloatArray:
     """(C,) mm/s at which a chord's sharper end takes all of the acceleration (mm/s²): v² · curvature = acceleration.
 
-    The curvature at a point is the turn there over the mean of both chords, so a corner between long lines, which the
-    firmware slows down for by itself, hardly counts.
+    The curvature at a point is the turn there over the mean of both chords. Where the speed would still jump by more
+    than the firmware allows, there is no limit: the firmware slows down for that corner by itself.
 
     Args:
         paths: in printing order.
         length: (N,) mm from each point to the next.
         here: the points at which the chords begin.
         acceleration: mm/s².
+        jump: mm/s, see `PrinterProfile.max_speed_change_mm_s`.
     """
     # A corner at both ends of every chord, and a chord on both sides of each corner.
     begin, end = here.start - 1, here.stop + 1
@@ -131,8 +134,10 @@ def curve_limit(paths: OrderedPaths, length: FloatArray, here: slice, accelerati
     turn = np.abs(np.arctan2(cross, dot, out=dot), out=dot)
     # A path's ends have no turn: they lie at rest or meet another path.
     turn[np.minimum(way[:-1], way[1:]) < _SHORTEST_MM] = 0.0
+    room = acceleration / 2 * (way[:-1] + way[1:])
+    turn[room * turn > jump * jump] = 0.0
     tightness = np.maximum(turn, _STRAIGHT, out=turn)
-    np.divide(acceleration / 2 * (way[:-1] + way[1:]), tightness, out=tightness)
+    np.divide(room, tightness, out=tightness)
     first = inside.start - begin
     corner[first : first + len(turn)] = np.sqrt(tightness, out=tightness)
     return np.asarray(np.minimum(corner[:-2], corner[1:-1]))
