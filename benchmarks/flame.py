@@ -64,10 +64,6 @@ class SameThread:
         done.set_result(function(*arguments))
         return done
 
-    def map(self, function: Callable[..., Any], *arguments: Any) -> list[Any]:
-        """The function's results."""
-        return [function(*each) for each in zip(*arguments, strict=False)]
-
 
 def main() -> int:
     """Run the job and draw where its time went."""

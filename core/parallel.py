@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, TypeVar
 
@@ -70,21 +71,38 @@ def runs_of_layers(layer: IntArray, start: IntArray, at_once: int) -> Iterable[t
 
 def in_threads(function: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
     """Apply a function to every part, several at a time; the results in the order of the parts."""
-    with ThreadPoolExecutor(_THREADS) as pool:
-        return list(pool.map(function, parts))
+    with begun(function, parts) as results:
+        return results()
 
 
-def evenly_in_threads(function: Callable[[slice], Result], size: IntArray) -> list[Result]:
-    """Apply a function to runs of N rows in threads, one run each; none where there are no rows.
+@contextmanager
+def begun(function: Callable[[Part], Result], parts: Iterable[Part]) -> Iterator[Callable[[], list[Result]]]:
+    """Let other threads begin to apply a function to every part, while this one does something else.
+
+    Whoever calls what this gives, for the results in the order of the parts, takes the last parts over. So there are
+    no more threads at work than processors, and none that holds the interpreter has to wait for one.
+    """
+    parts = list(parts)
+    with ThreadPoolExecutor(max(_THREADS - 1, 1)) as pool:
+        others = [pool.submit(function, part) for part in parts]
+
+        def results() -> list[Result]:
+            own = {k: function(parts[k]) for k in reversed(range(len(parts))) if others[k].cancel()}
+            return [own[k] if k in own else other.result() for k, other in enumerate(others)]
+
+        yield results
+
+
+def even_runs(size: IntArray) -> list[slice]:
+    """Runs of N rows that are as much work each, one for each thread; none where there are no rows.
 
     Args:
-        function: of the rows of a run.
         size: (N,) how much work each row is.
     """
     threads = max(min(_THREADS, len(size) // _LEAST_SHAPES), 1)
     before = np.concatenate([[0], np.cumsum(size)])
     runs = runs_of_layers(np.arange(len(size)), before, int(before[-1]) // threads + 1)
-    return in_threads(function, (slice(*run) for run in runs))
+    return [slice(*run) for run in runs]
 
 
 def geos_in_threads(function: Callable[..., tuple[Shapes, ...]], *columns: NDArray[Any]) -> tuple[Shapes, ...]:
@@ -103,9 +121,8 @@ def geos_in_threads(function: Callable[..., tuple[Shapes, ...]], *columns: NDArr
     chunks = min(_THREADS, count // _LEAST_SHAPES)
     if chunks < 2:
         return function(*columns)
-    with ThreadPoolExecutor(chunks) as pool:
-        parts = ([column[first::chunks] for column in columns] for first in range(chunks))
-        results = list(pool.map(lambda part: function(*part), parts))
+    parts = ([column[first::chunks] for column in columns] for first in range(chunks))
+    results = in_threads(lambda part: function(*part), parts)
     together = tuple(np.empty(count, dtype=column.dtype) for column in results[0])
     for first, result in enumerate(results):
         for column, part in zip(together, result, strict=True):

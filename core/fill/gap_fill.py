@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from itertools import pairwise
 
 import numpy as np
 import shapely
 
 from ..model import BoolArray, FloatArray, IntArray, Shapes
-from ..parallel import evenly_in_threads
+from ..parallel import begun, even_runs
 from ..paths import Feature, Paths, way_ahead
 from ..ragged import starts
 from ..settings import PrintSettings
@@ -152,8 +154,10 @@ def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArra
     return np.asarray((~plain | (lost > _LOST * width_mm)) & ~shapely.is_empty(outer))
 
 
-def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntArray, width_mm: FloatArray) -> Paths:
-    """Lines along the middle of gaps, as wide as the gaps are.
+def gap_paths(
+    found: list[Shapes], margin: tuple[float, ...], island_layer: IntArray, width_mm: FloatArray
+) -> AbstractContextManager[Callable[[], list[Paths]]]:
+    """Lines along the middle of gaps, as wide as the gaps are; other threads begin with them, see `parallel.begun`.
 
     The middle is the chordal axis: it runs from side to side through the Delaunay triangles between points along the
     boundary, through the middles of the sides that cross the gap.
@@ -165,19 +169,17 @@ def gap_paths(found: list[Shapes], margin: tuple[float, ...], island_layer: IntA
         width_mm: (I,) of the lines that gaps are measured by.
 
     Returns:
-        SKIN polylines.
+        What gives SKIN polylines.
     """
-    if not found:
-        return Paths.empty()
     parts, owner = shapely.get_parts(np.concatenate(found), return_index=True)
     some = ~shapely.is_empty(parts)
     number, island = np.divmod(owner[some].astype(np.int64), len(island_layer))
     gaps, kept_off = parts[some], 2.0 * np.maximum(-np.array(margin), 0.0)[number]
-    corners = shapely.get_num_coordinates(gaps)
-    lines = evenly_in_threads(
-        lambda own: _lines_in(gaps[own], island[own], kept_off[own], island_layer, width_mm), corners
-    )
-    return Paths.joined(lines)
+
+    def lines_in(own: slice) -> Paths:
+        return _lines_in(gaps[own], island[own], kept_off[own], island_layer, width_mm)
+
+    return begun(lines_in, even_runs(shapely.get_num_coordinates(gaps)))
 
 
 def _lines_in(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import shapely
 
@@ -118,10 +116,10 @@ def fill_lines(
     solid, sparse = fill
     *bounded, _ = walls
     centers, narrow = bounded[: len(bounded) // 2], bounded[len(bounded) // 2 :]
-    with ThreadPoolExecutor(1) as beside:  # GEOS triangulates the gaps while numpy hatches
-        along_gaps = beside.submit(gap_paths, narrow, margins(settings), island_layer, width)
+    with gap_paths(narrow, margins(settings), island_layer, width) as along_gaps:  # GEOS triangulates, numpy hatches
         lines = _hatched(solid, sparse, over_air, island_layer, settings)
-    return Paths.joined([wall_paths(centers[1:], island_layer, width), along_gaps.result(), *lines])
+        walls_along = wall_paths(centers[1:], island_layer, width)
+        return Paths.joined([walls_along, *along_gaps(), *lines])
 
 
 def _hatched(

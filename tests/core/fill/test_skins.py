@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.fill.gap_fill import gap_paths
-from dualcolor.core.paths import Feature
+from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.core.fill.fill_shapes import WIDTH, fill_paths, lines_of, shapes, square, table_is_sound
@@ -34,6 +34,12 @@ def holes(job, layer):
     around = shapely.difference(around, shapely.union_all([p for p in waved if not p.exterior.is_ccw]))
     bare = shapely.get_parts(shapely.buffer(shapely.difference(around, printed), -0.02))
     return shapely.area(bare)
+
+
+def lines_in(gaps):
+    """The lines in gaps, each of an island and a layer of its own."""
+    with gap_paths([shapes(gaps)], (0.0,), np.arange(len(gaps)), np.full(len(gaps), WIDTH)) as lines:
+        return Paths.joined(lines())
 
 
 @pytest.mark.parametrize("pattern", ["wave_offset", "offset"])
@@ -156,7 +162,7 @@ def test_no_gap_is_too_regular_for_its_middle():
         [-0.1434750310349929, -14.521534226477337],
     ]
     gap = shapely.Polygon([*half, *(-np.array(half))])
-    paths = gap_paths([shapes([gap])], (0.0,), np.zeros(1, dtype=np.int64), np.array([WIDTH]))
+    paths = lines_in([gap])
     assert np.ptp(paths.points[:, 1]) > 28 and paths.width.max() < 0.31
 
 
@@ -167,7 +173,7 @@ def test_a_line_in_a_gap_holds_as_much_as_the_gap_and_is_no_zigzag(ripple):
     rough = np.random.default_rng(2).normal(size=(2, len(x))) * ripple
     sides = [np.column_stack([x, 0.3 + rough[0]]), np.column_stack([x, rough[1]])[::-1]]
     gap = shapely.Polygon(np.concatenate(sides))
-    paths = gap_paths([shapes([gap])], (0.0,), np.zeros(1, dtype=np.int64), np.array([WIDTH]))
+    paths = lines_in([gap])
     lines = np.split(paths.points, paths.start[1:-1])
     ways = [np.append(np.hypot(*np.diff(line, axis=0).T), 0.0) for line in lines]
     assert (np.concatenate(ways) * paths.width).sum() == pytest.approx(gap.area, rel=0.02)
@@ -176,10 +182,7 @@ def test_a_line_in_a_gap_holds_as_much_as_the_gap_and_is_no_zigzag(ripple):
 
 def test_lines_in_gaps_are_as_long_whatever_lies_above():
     finger = shapely.union(square(10), shapely.box(-0.3, 0, 0.3, 12))
-    alone, stacked = (
-        gap_paths([found], (0.0,), np.arange(len(found)), np.full(len(found), WIDTH))
-        for found in (shapes([finger - square(9.9)]), shapes([finger - square(9.9)] * 3))
-    )
+    alone, stacked = (lines_in(found) for found in ([finger - square(9.9)], [finger - square(9.9)] * 3))
     assert len(stacked.layer) == 3 * len(alone.layer) > 0
     assert np.allclose(stacked.points, np.tile(alone.points, (3, 1)))
     assert alone.points[:, 1].max() == pytest.approx(12.0)
