@@ -11,14 +11,14 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .model import FloatArray, IntArray
+from .model import BoolArray, FloatArray, IntArray
 
 Number = TypeVar("Number", bound=np.generic)
 
 _SUMMABLE = float(1 << 26)  # parts of a millimeter
 
 
-def starts(count: IntArray) -> IntArray:
+def starts(count: IntArray | BoolArray) -> IntArray:
     """(M + 1,) offsets of groups with `count` (M,) members each."""
     return np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
 
@@ -27,6 +27,12 @@ def ranges(first: IntArray | int, count: IntArray) -> IntArray:
     """The integers first[k], first[k] + 1, … (count[k] of them) for every k, or all k from one `first` on."""
     offsets = starts(count)
     return np.asarray(np.arange(offsets[-1]) + np.repeat(first - offsets[:-1], count))
+
+
+def runs(marked: BoolArray) -> list[tuple[int, int]]:
+    """The first of each run of members marked (N,), and the one after its last."""
+    changes = np.diff(marked.astype(np.int8), prepend=0, append=0)
+    return [(first, end) for first, end in np.flatnonzero(changes).reshape(-1, 2).tolist()]
 
 
 def following(start: IntArray) -> IntArray:

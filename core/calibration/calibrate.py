@@ -34,8 +34,24 @@ class ToneCurve:
     slants: FloatArray
 
     def printed(self, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:
-        """(N,) tones to print for the tones asked for (N,) on slopes (N,); each depends on no other."""
-        return _looked_up(self.to_print, self.slants, tone, slant_deg)
+        """(N,) tones to print for the tones asked for (N,) on slopes (N,) degrees; each depends on no other.
+
+        They are interpolated between tones, and taken for the nearest slope in steps of a quarter degree.
+        """
+        fine = np.arange(self.slants[0], self.slants[-1] + _SLANT_STEP, _SLANT_STEP)
+        flat = np.einsum("fs,sl->fl", slope_shares(self.slants, fine), self.to_print).ravel()
+        rise = np.diff(flat, append=flat[-1])
+        printed = np.empty_like(tone)
+        for begin in range(0, len(tone), CHUNK_ROWS):
+            part = slice(begin, begin + CHUNK_ROWS)
+            across = np.clip(tone[part], 0.0, 1.0) * _LEVELS
+            column = across.astype(np.int64)
+            across -= column
+            row = np.clip((slant_deg[part] - self.slants[0]) * (1 / _SLANT_STEP) + 0.5, 0.0, len(fine) - 1.0)
+            column += row.astype(np.int64) * self.to_print.shape[1]
+            across *= rise.take(column)
+            np.add(across, flat.take(column), out=printed[part])
+        return printed
 
 
 def tone_curve(tone: FloatArray, settings: PrintSettings) -> tuple[ToneCurve | None, list[str]]:
@@ -79,28 +95,3 @@ def shipped_table(settings: PrintSettings) -> ToneTable:
     """The table of the program that fits this pattern and its settings best."""
     tables = [read_table(path) for path in sorted((SHIPPED / settings.pattern).glob("*.json"))]
     return min(tables, key=lambda table: table.about.distance(settings))
-
-
-def _looked_up(to_print: FloatArray, slants: FloatArray, tone: FloatArray, slant_deg: FloatArray) -> FloatArray:
-    """(N,) tones to print, interpolated between tones, for the nearest slope in steps of a quarter degree.
-
-    Args:
-        to_print: (S, K) tone to print for S slopes and K evenly spaced tones.
-        slants: (S,) degrees, of the rows.
-        tone: (N,) asked for.
-        slant_deg: (N,) of the surface.
-    """
-    fine = np.arange(slants[0], slants[-1] + _SLANT_STEP, _SLANT_STEP)
-    flat = np.einsum("fs,sl->fl", slope_shares(slants, fine), to_print).ravel()
-    rise = np.diff(flat, append=flat[-1])
-    printed = np.empty_like(tone)
-    for begin in range(0, len(tone), CHUNK_ROWS):
-        part = slice(begin, begin + CHUNK_ROWS)
-        across = np.clip(tone[part], 0.0, 1.0) * _LEVELS
-        column = across.astype(np.int64)
-        across -= column
-        row = np.clip((slant_deg[part] - slants[0]) * (1 / _SLANT_STEP) + 0.5, 0.0, len(fine) - 1.0)
-        column += row.astype(np.int64) * to_print.shape[1]
-        across *= rise.take(column)
-        np.add(across, flat.take(column), out=printed[part])
-    return printed

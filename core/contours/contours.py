@@ -20,7 +20,7 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines
 from ..slicing.planes import elephant_foot, line_widths
-from .along_loops import around, dot, filtered, gaussian, steps
+from .along_loops import around, box, dot, filtered, gaussian, steps
 from .clearance import BLOCK, gaps
 from .inset import bend_room, inset
 from .resample import even_points, resampled
@@ -156,7 +156,7 @@ def contours(
         part, own = slice(start[first], start[last]), start[first : last + 1] - start[first]
         points[:, part] = filtered(resampled(outlines, even, first, last, face[part], carried[:, part]), own, kernel)
         normal[:, part] = _normals(points[:, part], own, kernel)
-    widest, squashed = line_widths(layer, settings), elephant_foot(layer, settings)
+    widest, squashed = line_widths(layer, settings), np.where(layer == 0, elephant_foot(settings), 0.0)
     greatest = float(widest.max(initial=0.0))
     # Farther than the widest lines reach, so that what is thicker is seen to be.
     most_inside = 2 * (greatest + max(reach.inwards, (2 * MOST_WIDTH - 2) * greatest))
@@ -224,8 +224,8 @@ def reach_of(settings: PrintSettings) -> Reach:
     wave = settings.wave_crest
     solid = 0.0 if settings.solid_regions == "none" else settings.solid_set_back
     air = OPEN_AIR if wave and settings.hide_seams else 0.0
-    squash = float(elephant_foot(np.zeros(1, dtype=np.int64), settings)[0])
-    inwards, outwards = wave + max(settings.offset_max, solid) + squash, max(wave, air)
+    inwards = wave + max(settings.offset_max, solid) + elephant_foot(settings)
+    outwards = max(wave, air)
     return Reach(*(REACH_STEP * math.ceil(way / REACH_STEP - ROUNDING) for way in (inwards, outwards)))
 
 
@@ -273,7 +273,7 @@ def average_along_wall(values: FloatArray, lines: Contours, window: float) -> Fl
     reach = round((window / usual - 1) / 2)
     if reach < 1:
         return values
-    return filtered(values, lines.start, np.full(2 * reach + 1, 1 / (2 * reach + 1)))
+    return filtered(values, lines.start, box(reach))
 
 
 def places(lines: Contours, spacing: float) -> tuple[FloatArray, IntArray]:

@@ -15,6 +15,7 @@ from ..settings.printer import PrinterProfile
 from ..settings.temperatures import starting_temperatures
 from ..toolpaths.move_times import layer_begins, layer_changes, move_seconds
 from ..toolpaths.moves import Moves
+from .after_first_layer import after_first_layer
 from .comments import feature_comments, layer_comments
 from .fan import fan_commands
 from .lines import Lines, after_break, filament_steps, rounded_lines
@@ -22,7 +23,6 @@ from .marlin import fed_by_each
 from .numbers import COORDINATE_LIMIT
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
 from .standby import standby, standby_commands
-from .temperatures import after_first_layer
 
 # Lines for heaters and fan by row, before the row and after its tool change.
 HeatingCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
@@ -122,15 +122,21 @@ def untimed_program(moves: Moves, settings: PrintSettings) -> Program:
 def _heating(moves: Moves, settings: PrintSettings) -> HeatingCommands:
     """Lines for heaters and fan, before a row and after its tool change."""
     resting = None
-    commands: HeatingCommands = ({}, {})
+    idle: HeatingCommands = ({}, {})
     if settings.standby_temperature_delta:
         resting = standby(moves, move_seconds(moves, settings.printer_profile), settings)
-        commands = standby_commands(moves, resting, settings)
-    for further in (({}, after_first_layer(moves, settings, resting)), fan_commands(moves, settings)):
-        for known, more in zip(commands, further, strict=True):
-            for row, lines in more.items():
-                known.setdefault(row, []).extend(lines)
-    return commands
+        idle = standby_commands(moves, resting, settings)
+    fan = fan_commands(moves, settings)
+    return _merged(idle[0], fan[0]), _merged(idle[1], after_first_layer(moves, settings, resting), fan[1])
+
+
+def _merged(*parts: dict[int, list[str]]) -> dict[int, list[str]]:
+    """Lines by row, of one part after the other."""
+    lines: dict[int, list[str]] = {}
+    for part in parts:
+        for row, more in part.items():
+            lines[row] = lines.get(row, []) + more
+    return lines
 
 
 def _check(moves: Moves) -> None:

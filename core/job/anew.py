@@ -20,12 +20,13 @@ from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..paths import Paths
 from ..pattern.strand_edges import widened
 from ..pattern.wave import WavedOutlines, modulated, valley_lines
+from ..ragged import runs
 from ..sampling.samples import Samples
 from ..settings import PrintSettings
 from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids
 from ..toolpaths.outer_wall import inside_of_lines, inside_of_wall
-from .layers import between, joined, runs, spliced
+from .layers import between, joined, spliced
 
 Areas = tuple[Shapes, ...]
 Result = TypeVar("Result")

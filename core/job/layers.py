@@ -11,7 +11,7 @@ import numpy as np
 from ..contours.contours import Contours
 from ..model import BoolArray
 from ..pattern.wave import WavedOutlines
-from ..ragged import starts
+from ..ragged import runs, starts
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths
 
@@ -19,12 +19,6 @@ _SHORT_GAP, _MOST_RUNS = 4, 8
 _OFFSETS = ("start", "arc_start")
 
 Table = TypeVar("Table", Contours, WavedOutlines, OrderedPaths, Moves)
-
-
-def runs(layers: BoolArray) -> list[tuple[int, int]]:
-    """The first layer, and the one after the last, of each run of those marked (L,)."""
-    changes = np.diff(layers.astype(np.int8), prepend=0, append=0)
-    return [(first, last) for first, last in np.flatnonzero(changes).reshape(-1, 2).tolist()]
 
 
 def widened(layers: BoolArray, by: int) -> BoolArray:

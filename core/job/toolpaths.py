@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray
 from ..paths import Paths
+from ..ragged import runs
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
@@ -20,7 +21,7 @@ from ..toolpaths.overhangs import Below, with_overhangs
 from ..toolpaths.raft import lifted, raised
 from ..toolpaths.travels import Rooms
 from .checks import check
-from .layers import joined, runs, some, spliced, widened
+from .layers import joined, some, spliced, widened
 
 _LOCAL_SEAMS = ("rear", "nearest")  # those that ask for no seam of the layer below
 
@@ -136,17 +137,13 @@ def summary_anew(
     if (moves.tool[inside] == moves.tool[inside - 1]).any():  # the printer does not stand still there
         return None
     kept = np.flatnonzero(~near[former[0].layer])
-    parts = [(_rows(former[0], kept), former[1][kept])]
+    parts = [(former[0].rows(kept), former[1][kept])]
     for begin, end in bounds.tolist():
         first = max(begin - 1, 0)  # from where the first way leads
-        part = _rows(moves, slice(first, end))
+        part = moves.rows(slice(first, end))
         seconds = move_seconds(part, settings.printer_profile)[begin - first :]
-        parts.append(stretches(_rows(part, slice(begin - first, None)), seconds))
+        parts.append(stretches(part.rows(slice(begin - first, None)), seconds))
     tables, taken = zip(*parts, strict=True)
     table = joined(list(tables))
     order = np.argsort(table.layer, kind="stable")
-    return _rows(table, order), np.concatenate(taken)[order]
-
-
-def _rows(moves: Moves, rows: slice | IntArray) -> Moves:
-    return Moves(*(getattr(moves, column.name)[rows] for column in fields(Moves)))
+    return table.rows(order), np.concatenate(taken)[order]

@@ -32,13 +32,11 @@ def inner_walls(mesh: TriangleMesh) -> IntArray:
     # Faces on both sides of an edge of two are of one patch; at other edges each stands for itself.
     ends = np.arange(len(key), len(key) + edge.size).reshape(edge.shape)
     patch = numbered(components(np.where(meeting[edge] == 2, edge, ends)))
-    corners = mesh.vertices[faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     order = np.argsort(patch, kind="stable")
     first = starts(np.bincount(patch))
     touched = np.unique(patch[_is_odd(meeting)[edge].any(axis=1)])
     left_out = []
-    for one in touched[np.argsort(np.bincount(patch, weights=area)[touched], kind="stable")]:
+    for one in touched[np.argsort(np.bincount(patch, weights=mesh.face_area)[touched], kind="stable")]:
         members = order[first[one] : first[one + 1]]
         bounds, sides = np.unique(edge[members], return_counts=True)
         others = meeting[bounds] - sides

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..model import FloatArray, IntArray, SurfaceModel, ToneImage, TriangleMesh
+from ..model import IntArray, SupportMark, SurfaceModel, ToneImage, TriangleMesh
 from ..ragged import starts
 from ..settings import PrintSettings
 from .arrange import arranged
@@ -43,8 +44,8 @@ def plate(models: Sequence[SurfaceModel], settings: PrintSettings) -> SurfaceMod
 
 def _joined(models: Sequence[SurfaceModel]) -> SurfaceModel:
     """All polygons in one table; columns that only some of the models have get a missing value for the others."""
-    vertex = starts(np.array([len(model.vertices) for model in models]))
-    corner = starts(np.array([len(model.corner_vertex) for model in models]))
+    corners, polygons = [len(model.corner_vertex) for model in models], [len(model.polygon_texture) for model in models]
+    vertex, corner = starts(np.array([len(model.vertices) for model in models])), starts(np.array(corners))
     textures: list[ToneImage] = []
     number = [_renumbered(model, textures) for model in models]
     visibility = [
@@ -59,32 +60,21 @@ def _joined(models: Sequence[SurfaceModel]) -> SurfaceModel:
         corner_vertex=np.concatenate(
             [model.corner_vertex + first for model, first in zip(models, vertex[:-1], strict=True)]
         ),
-        corner_uv=_column([model.corner_uv for model in models], corner, (2,), 0.0),
-        corner_tone=_column([model.corner_tone for model in models], corner, (), np.nan),
+        corner_uv=_column([model.corner_uv for model in models], corners, 0.0),
+        corner_tone=_column([model.corner_tone for model in models], corners, np.nan),
         polygon_texture=np.concatenate(
             [of[np.maximum(model.polygon_texture, -1)] for model, of in zip(models, number, strict=True)]
         ),
         textures=tuple(textures),
         name=models[0].name,
         object_names=tuple(model.name for model in models),
-        polygon_object=np.repeat(np.arange(len(models)), [len(model.polygon_texture) for model in models]),
-        polygon_support=_polygon_column(models, [model.polygon_support for model in models], 0),
+        polygon_object=np.repeat(np.arange(len(models)), polygons),
+        polygon_support=_column([model.polygon_support for model in models], polygons, SupportMark.NONE),
         volumes=tuple(volume for model in models for volume in model.volumes),
-        corner_visibility=_column([model.corner_visibility for model in models], corner, (), 1.0),
-        polygon_visibility=_polygon_column(models, visibility, -1),
+        corner_visibility=_column([model.corner_visibility for model in models], corners, 1.0),
+        polygon_visibility=_column(visibility, polygons, -1),
         notes=tuple(note for model in models for note in model.notes),
     )
-
-
-def _polygon_column(models: Sequence[SurfaceModel], parts: Sequence[IntArray | None], missing: int) -> IntArray | None:
-    """(P,) a column of all models; None if none of them has it."""
-    if all(part is None for part in parts):
-        return None
-    columns = [
-        np.full(len(model.polygon_texture), missing, dtype=np.int64) if part is None else part
-        for model, part in zip(models, parts, strict=True)
-    ]
-    return np.concatenate(columns)
 
 
 def _renumbered(model: SurfaceModel, textures: list[ToneImage]) -> IntArray:
@@ -101,16 +91,16 @@ def _renumbered(model: SurfaceModel, textures: list[ToneImage]) -> IntArray:
     return number
 
 
-def _column(
-    parts: Sequence[FloatArray | None], corner: IntArray, shape: tuple[int, ...], missing: float
-) -> FloatArray | None:
-    """(C, …) a column of all models; None if none of them has it."""
-    if all(part is None for part in parts):
+def _column(parts: Sequence[NDArray[Any] | None], rows: Sequence[int], missing: float) -> NDArray[Any] | None:
+    """One column of all models, of so many `rows` each, `missing` in those that lack it; None if all do."""
+    known = [part for part in parts if part is not None]
+    if not known:
         return None
-    whole = np.full((int(corner[-1]), *shape), missing)
-    for part, first, end in zip(parts, corner[:-1], corner[1:], strict=True):
-        if part is not None:
-            whole[first:end] = part
+    shape, kind = known[0].shape[1:], known[0].dtype
+    columns = zip(parts, rows, strict=True)
+    whole: NDArray[Any] = np.concatenate(
+        [np.full((count, *shape), missing, kind) if part is None else part for part, count in columns]
+    )
     return whole
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..contours.contours import Contours, average_along_wall
 from ..mesh.components import connected
 from ..model import BoolArray, FloatArray, IntArray
-from ..ragged import preceding
+from ..ragged import preceding, starts
 from ..records import dataclass
 from ..sampling.projector import Projector
 from ..settings import PrintSettings
@@ -180,7 +180,7 @@ def runs(kind: IntArray, start: IntArray) -> IntArray:
     begins[start[:-1][even]] = True
     run = np.cumsum(begins) - 1
     # Points before the first beginning on a contour continue the run at its end.
-    total = np.concatenate([[0], np.cumsum(begins)])
+    total = starts(begins)
     wrapped = run < total[start[:-1]][loop]
     return np.where(wrapped, run[start[1:] - 1][loop], run)
 

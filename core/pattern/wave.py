@@ -70,7 +70,7 @@ class Spans:
     arc: FloatArray
     length: FloatArray
     loop: IntArray
-    waves: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+    waves: BoolArray
 
 
 def spans(lines: Contours, samples: Samples) -> Spans:

@@ -7,10 +7,11 @@ import math
 import numpy as np
 
 from ..errors import MeshError
-from ..model import BoolArray, Float32Array, FloatArray, IntArray, SurfaceModel, ToneImage
+from ..model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneImage
 from ..ragged import starts
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..texture.lanczos import resized
 
 _FACET_MM = 1.0  # length of the sides of round shapes
 _LEAST_FACETS = 48
@@ -170,8 +171,8 @@ def fitted(image: ToneImage, shape: PictureShape, *, auto_contrast: bool = False
     # Of the side that sets the scale nothing is cut; rounding could make that a bit less than nothing.
     margin = max((wide - columns * scale) / 2, 0.0), max((high - rows * scale) / 2, 0.0)
     box = margin[0], margin[1], wide - margin[0], high - margin[1]
-    alpha = np.clip(_resized(image.alpha, (columns, rows), box), 0.0, 1.0)
-    paint = np.clip(_resized(image.tone * image.alpha, (columns, rows), box), 0.0, alpha)
+    alpha = np.clip(resized(image.alpha, (columns, rows), box), 0.0, 1.0)
+    paint = np.clip(resized(image.tone * image.alpha, (columns, rows), box), 0.0, alpha)
     tone = np.divide(paint, alpha, out=np.zeros_like(paint), where=alpha > 0)
     if auto_contrast and (alpha > _PAINTED).any():
         low, high_tone = np.percentile(tone[alpha > _PAINTED], [1, 99])
@@ -260,10 +261,3 @@ def _shape(
         frame=frame,
         size=(float(np.ptp(vertices[:, 0])) if width is None else width, float(ladder.z[-1])),
     )
-
-
-def _resized(values: Float32Array, size: tuple[int, int], box: tuple[float, float, float, float]) -> Float32Array:
-    from PIL import Image
-
-    picture = Image.fromarray(np.ascontiguousarray(values, dtype=np.float32))
-    return np.asarray(picture.resize(size, Image.Resampling.LANCZOS, box=box), dtype=np.float32)

@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import counted
 from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Feature
+from ..ragged import runs
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
 from ..toolpaths.order import OrderedPaths
@@ -76,9 +77,8 @@ def _hanging(paths: OrderedPaths, feature: Feature, layers: BoolArray) -> tuple[
 
 def _in_long_runs(layers: BoolArray) -> BoolArray:
     """(L,) the layers marked that have marked ones above or below them, `_LEANING` or more in all."""
-    changes = np.flatnonzero(np.diff(layers.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
     found = np.zeros_like(layers)
-    for begin, end in changes.tolist():
+    for begin, end in runs(layers):
         found[begin:end] = end - begin >= _LEANING
     return found
 

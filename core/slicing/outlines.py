@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import CHUNK_ROWS
-from ..ragged import ahead, following, preceding, starts, sums
+from ..ragged import ahead, following, preceding, runs, starts, sums
 from ..records import dataclass
 
 
@@ -111,8 +111,7 @@ class Outlines:
 
     def runs(self, keep: BoolArray) -> list[Outlines]:
         """The loops that `keep` (M,) marks, as views: one for each run of consecutive loops."""
-        bounds = np.flatnonzero(np.diff(keep.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
-        return [self.between(first, last) for first, last in bounds.tolist()]
+        return [self.between(first, end) for first, end in runs(keep)]
 
     @staticmethod
     def joined(parts: list[Outlines]) -> Outlines:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import MeshError
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
 
@@ -66,16 +66,13 @@ def levels(height: FloatArray, plane: FloatArray) -> IntArray:
 
 def line_widths(layer: IntArray, settings: PrintSettings) -> FloatArray:
     """(N,) mm, how wide the object's lines are on (N,) layers; the first has its own width where it lies on the bed."""
-    return np.where(_on_bed(layer, settings), settings.first_layer_extrusion_width, settings.extrusion_width)
+    on_bed = (layer == 0) & (settings.raft_layers == 0)
+    return np.where(on_bed, settings.first_layer_extrusion_width, settings.extrusion_width)
 
 
-def elephant_foot(layer: IntArray, settings: PrintSettings) -> FloatArray:
-    """(N,) mm, by which outlines are moved inwards since the bed squashes their lines; above 0 where they lie on it."""
-    return np.where(_on_bed(layer, settings), settings.elephant_foot_compensation, 0.0)
-
-
-def _on_bed(layer: IntArray, settings: PrintSettings) -> BoolArray:
-    return np.asarray((layer == 0) & (settings.raft_layers == 0))
+def elephant_foot(settings: PrintSettings) -> float:
+    """Mm by which the first layer's outlines are moved inwards, since the bed squashes its lines; 0 on a raft."""
+    return 0.0 if settings.raft_layers else settings.elephant_foot_compensation
 
 
 def middle_heights(layer: IntArray, settings: PrintSettings) -> FloatArray:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..ragged import starts
 from .spans import unsupported_distance
 from .strands import Strands
 
@@ -36,7 +37,7 @@ def settled(laid: Strands, sag: float) -> Strands:
     # A line that rests on material needs no points between its ends, one that is round all over only every second.
     wanted = (left == 0) | (_or_next_to(over_air) & ((left % 2 == 0) | _or_next_to(free < dense.width / 2)))
     rows = np.flatnonzero(wanted)
-    start = np.concatenate([[0], np.cumsum(wanted)])[dense.start]
+    start = starts(wanted)[dense.start]
     points, width, free = dense.points[rows], dense.width[rows], free[rows]
     roundness = _eased(free / (width / 2))
     flat = _steps(points)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model import FloatArray, IntArray
 from ..parallel import in_threads
-from ..ragged import ranges
+from ..ragged import ranges, starts
 
 FARTHEST = 8.0
 """Unsupported distances are limited to this, mm."""
@@ -39,7 +39,7 @@ def unsupported_distance(points: FloatArray, start: IntArray, layer: IntArray, w
     level = np.repeat(layer - layer.min(), np.diff(start))
     lines = _Lines(flat, start, width)
     order = None if (np.diff(layer) >= 0).all() else np.argsort(level, kind="stable")
-    begin = np.concatenate([[0], np.cumsum(np.bincount(level))])
+    begin = starts(np.bincount(level))
     cut = np.flatnonzero(np.diff(begin[1:] // _BLOCK_POINTS, prepend=-1))  # the first layer of each block
 
     def rows(low: int, high: int) -> IntArray:
@@ -126,7 +126,7 @@ class _Cells:
         key = self._key(x, y, level)
         self._order = np.argsort(key, kind="stable")
         counts = np.bincount(key, minlength=self._columns * self._rows * (int(level.max()) - self._level + 1))
-        self._begin = np.concatenate([[0], np.cumsum(counts)])
+        self._begin = starts(counts)
         self._x, self._y = ((values[self._order]).astype(np.float32) for values in (x, y))
 
     def _key(self, x: FloatArray, y: FloatArray, level: IntArray) -> IntArray:

@@ -52,24 +52,33 @@ def reduced(
     size = max(1, round(width * min(scale[0], 1.0))), max(1, round(height * min(scale[1], 1.0)))
     if size == (width, height):
         return paint, alpha
-    plain = _resized(paint, size), _resized(alpha, size)
+    plain = resized(paint, size), resized(alpha, size)
     if covered.all():
         paint, alpha = plain
     else:
         weight = covered.astype(np.float32)
-        share = _resized(weight, size)
+        share = resized(weight, size)
         sound = share > _LEAST_COVERAGE
         divisor = np.where(sound, share, np.float32(1.0))
-        paint = np.where(sound, _resized(paint * weight, size) / divisor, plain[0])
-        alpha = np.where(sound, _resized(alpha * weight, size) / divisor, plain[1])
+        paint = np.where(sound, resized(paint * weight, size) / divisor, plain[0])
+        alpha = np.where(sound, resized(alpha * weight, size) / divisor, plain[1])
     alpha = np.clip(alpha, 0.0, 1.0)
     return np.clip(paint, 0.0, alpha), alpha  # no tone above 1
 
 
-def _resized(image: Float32Array, size: tuple[int, int]) -> Float32Array:
+def resized(
+    image: Float32Array, size: tuple[int, int], box: tuple[float, float, float, float] | None = None
+) -> Float32Array:
+    """A picture (H, W) of another size.
+
+    Args:
+        image: any values.
+        size: new width and height.
+        box: left, upper, right and lower border of the part that is taken, pixels; None takes all.
+    """
     from PIL import Image
 
-    picture = Image.fromarray(image).resize(size, Image.Resampling.LANCZOS)
+    picture = Image.fromarray(np.ascontiguousarray(image)).resize(size, Image.Resampling.LANCZOS, box=box)
     return np.asarray(picture, dtype=np.float32)
 
 

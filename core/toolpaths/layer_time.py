@@ -11,8 +11,6 @@ the tool changes. So some layers can be made anew without the others (`job/anew.
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 import numpy as np
 
 from ..errors import counted
@@ -88,7 +86,7 @@ def _standing_alone(moves: Moves, layers: IntArray) -> tuple[IntArray, Moves, In
     first = np.searchsorted(moves.layer, layers)
     count = np.searchsorted(moves.layer, layers, side="right") - first + 1
     row = np.maximum(ranges(first - 1, count), 0)
-    part = Moves(*(getattr(moves, column.name)[row] for column in fields(Moves)))
+    part = moves.rows(row)
     part.tool[starts(count)[:-1]] = _NO_TOOL
     return row, part, np.repeat(np.arange(len(layers)), count)
 

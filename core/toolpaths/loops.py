@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..model import FloatArray
 from ..paths import Feature, Paths
+from ..ragged import starts
 
 
 class Turn(IntEnum):
@@ -54,7 +55,7 @@ def first_layer_loops(loops: list[FloatArray], feature: Feature, turn: Turn, wid
     count = np.array([len(loop) for loop in loops], dtype=np.int64)
     return Paths(
         points=np.concatenate(loops),
-        start=np.concatenate([[0], np.cumsum(count)]).astype(np.int64),
+        start=starts(count),
         layer=np.zeros(len(loops), dtype=np.int64),
         feature=np.full(len(loops), int(feature), dtype=np.int64),
         island=int(turn) + np.arange(len(loops), dtype=np.int64),

@@ -53,7 +53,6 @@ class Moves:
         block = np.empty((10, rows))
         return Moves(block[:3].T, *block[7:].view(np.int64), *block[3:7])
 
-    @staticmethod
-    def joined(parts: list[Moves]) -> Moves:
-        """Several tables one after the other."""
-        return Moves(*(np.concatenate([getattr(part, column.name) for part in parts]) for column in fields(Moves)))
+    def rows(self, chosen: slice | IntArray) -> Moves:
+        """Some of the rows."""
+        return Moves(*(getattr(self, column.name)[chosen] for column in fields(Moves)))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
 import numpy as np
 
 from ..errors import PrintError
@@ -65,8 +63,7 @@ def recovered_moves(
     moves.width[rows] = _line_widths(
         moves, rows, way[rows], settings, steps, None if stated is None else stated[kept][rows]
     )
-    end = slice(int(rows[-1]) + 1)
-    return Moves(*(getattr(moves, column.name)[end] for column in fields(Moves)))
+    return moves.rows(slice(int(rows[-1]) + 1))
 
 
 def _kinds(way: FloatArray, fed: FloatArray, feature: IntArray) -> tuple[IntArray, BoolArray]:

@@ -10,6 +10,7 @@ bpy = pytest.importorskip("bpy")
 from dualcolor.bridge.measuring.instrument import Face, mounted, photograph, view_axes  # noqa: E402
 from dualcolor.bridge.pictures.plastics import diffuse_material  # noqa: E402
 from dualcolor.core.errors import PrintError  # noqa: E402
+from dualcolor.core.job.layers import joined  # noqa: E402
 from dualcolor.core.paths import Feature  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
 from dualcolor.core.toolpaths.moves import Moves  # noqa: E402
@@ -77,7 +78,7 @@ def test_picture_is_of_the_face_from_every_side(empty, angles):
 def test_rods_are_straight_and_have_round_ends(empty):
     """Whatever curves this Blender's Cycles draws: a long step before a short one around a corner, seen from above."""
     path = np.array([[2.0, 0, 5], [7.0, 0, 5], [7.0, 0.15, 5], [7.0, 2.0, 5]])
-    moves = Moves.joined([lines(path[[k, k + 1]][None]) for k in range(3)])
+    moves = joined([lines(path[[k, k + 1]][None]) for k in range(3)])
     above = Face((5.0, 0.0, 5.0), 10.0, 8.0, slant_deg=89.9)
     seen = ~np.isnan(photograph(moves, SETTINGS, above, mm_per_pixel=0.02, samples=4))
     radius = 0.4 / math.sqrt(math.pi)
@@ -123,9 +124,7 @@ def test_only_what_the_object_is_made_of_is_photographed(empty, feature):
 
 def test_one_sample_a_pixel_reads_the_same_as_many_where_pixels_keep_step_with_the_layers(empty):
     """The middle of every pixel would hit every strand where it bulges out most."""
-    moves = Moves.joined(
-        [lines([[(0, 0, z), (10, 0, z)]], layer=round(z / 0.25) - 1) for z in np.arange(0.25, 3.1, 0.25)]
-    )
+    moves = joined([lines([[(0, 0, z), (10, 0, z)]], layer=round(z / 0.25) - 1) for z in np.arange(0.25, 3.1, 0.25)])
     face = Face((5.0, -0.2, 1.5), 8.0, 2.0)
     few, many = (np.nanmean(photograph(moves, SETTINGS, face, mm_per_pixel=0.25, samples=n)) for n in (1, 64))
     assert few == pytest.approx(many, abs=0.04)

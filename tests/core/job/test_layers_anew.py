@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from dualcolor.core.errors import PrintError
 from dualcolor.core.job import anew, toolpaths
-from dualcolor.core.job.layers import runs, widened, without_gaps
+from dualcolor.core.job.layers import widened, without_gaps
 from dualcolor.core.job.stage_cache import StageCache
 from dualcolor.core.mesh.plate import plate
 from dualcolor.core.pipeline import generate
+from dualcolor.core.ragged import runs
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.core.job.test_stage_cache import of
 from dualcolor.tests.solids import lathe, picture
