@@ -9,8 +9,8 @@ from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..records import dataclass
 from ..settings import PrintSettings
 from .hatch import crossings, spans
+from .offsets import offset
 from .skins import Skins, remainder, uncovered
-from .walls import offset
 
 _SMALLEST_MM2 = 5.0  # a strand or two hold over less by themselves
 _LEAST_HELD = 0.6  # share of a bridge whose lines are held at both ends

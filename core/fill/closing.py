@@ -11,8 +11,8 @@ from ..settings import PrintSettings
 from ..slicing.planes import line_widths
 from ..slicing.regions import gathered
 from .bridges import Bridges, bridges
+from .offsets import offset_outlines, simplified
 from .skins import Skins, skins
-from .walls import offset_outlines, simplified
 
 _COVER_MM = 0.05  # outlines differ by this from the true ones, to see what covers what
 

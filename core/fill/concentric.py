@@ -7,7 +7,7 @@ import shapely
 
 from ..model import IntArray, Shapes
 from ..parallel import geos_in_threads
-from .walls import offset, simplified
+from .offsets import offset, simplified
 
 _SIMPLIFY_MM = 0.05
 _RADIUS_TOLERANCE = 0.02  # of the greatest circle in a part, in spacings

@@ -18,7 +18,7 @@ from ..slicing.pieces_outside import boundaries, pieces_outside
 from ..slicing.regions import gathered
 from .chordal_axis import ON_EDGE_MM, SIMPLIFY_MM, middles
 from .mitres import Moved
-from .walls import offset, offset_outlines
+from .offsets import offset, offset_outlines
 
 # Line widths by which a line in a gap reaches into waves beside it, which leave pockets there.
 _INTO_WAVES = 0.4

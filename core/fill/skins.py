@@ -9,7 +9,7 @@ from ..model import BoolArray, IntArray, Shapes
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.regions import gathered
-from .walls import offset, polygonal
+from .offsets import offset, polygonal
 
 _GRID_MM = 1e-4  # the safe but slow way of overlaying: vertices on a grid
 _AREA_ERROR_MM2 = 0.01  # of an overlay that went right

@@ -7,52 +7,15 @@ import shapely
 
 from ..model import FloatArray, IntArray, Shapes
 from ..paths import Feature, Paths
-from ..ragged import starts
 from ..settings import PrintSettings
-from .mitres import MITRE_LIMIT, Moved, moved
+from ..slicing.regions import ring_points
+from .mitres import Moved, moved
+from .offsets import completed, offset, polygonal, simplified
 
 _SIMPLIFY_MM = 0.04  # a tenth of a line, and less than what fill overlaps walls by
 _NARROWEST = 0.7  # line widths between the lines on both sides of a neck
 _TIP = 0.2  # line widths, squared: sharp corners are no necks
 _APART_MM = 1e-3  # overlays of edges that lie on one another take several times as long and leave slivers
-
-
-def simplified(shapes: Shapes, tolerance_mm: float) -> Shapes:
-    """Polygons with fewer vertices, valid ones whatever came in.
-
-    Args:
-        shapes: (N,) Polygon or MultiPolygon, None, empty or not quite valid.
-        tolerance_mm: the boundary moves by no more than this.
-
-    Returns:
-        (N,) valid Polygon or MultiPolygon, maybe empty.
-    """
-    shapes = np.where(shapely.is_missing(shapes), shapely.Polygon(), shapes)
-    result: Shapes = np.asarray(shapely.simplify(shapes, tolerance_mm, preserve_topology=False), dtype=object)
-    # It mends what it returns, but may have cut a neck then and lost what hangs on it; the area betrays it.
-    lost = np.abs(shapely.area(result) - shapely.area(shapes)) > tolerance_mm * shapely.length(shapes)
-    if lost.any():
-        sound = shapely.buffer(shapely.make_valid(shapes[lost]), 0.0)
-        result[lost] = shapely.simplify(sound, tolerance_mm, preserve_topology=True)
-    return result
-
-
-def offset(shapes: Shapes, distance_mm: float | FloatArray) -> Shapes:
-    """Polygons grown (or, below 0, shrunk) by a distance or (N,) distances, with corners kept sharp; (N,) to (N,)."""
-    grown: Shapes = shapely.buffer(shapes, distance_mm, join_style="mitre", mitre_limit=MITRE_LIMIT)
-    return grown
-
-
-def offset_outlines(shapes: Shapes, distance_mm: FloatArray) -> Shapes:
-    """As `offset`, in half the time for many valid polygons of many corners of which few split or meet."""
-    return _completed(moved(shapes, distance_mm), shapes, distance_mm)
-
-
-def _completed(found: Moved, shapes: Shapes, distance_mm: FloatArray) -> Shapes:
-    """(N,) moved outlines, those that are not right by GEOS."""
-    grown, rest = found.shapes.copy(), np.flatnonzero(~found.sound)
-    grown[rest] = offset(shapes[rest], distance_mm[rest])
-    return grown
 
 
 def walls_and_fill(
@@ -74,10 +37,10 @@ def walls_and_fill(
     walls, steps = [islands], []
     for _ in range(settings.perimeters):
         steps.append(moved(walls[-1], -width_mm))
-        walls.append(_completed(steps[-1], walls[-1], -width_mm))
+        walls.append(completed(steps[-1], walls[-1], -width_mm))
     inside = simplified(walls[-1], _SIMPLIFY_MM)
     filled = moved(inside, into_fill)
-    fill = _completed(filled, inside, into_fill)
+    fill = completed(filled, inside, into_fill)
     for number, onwards in enumerate([*steps[1:], filled][: len(steps)], start=1):
         # Where edges have met on the way further in, or nothing was left to go on with.
         rows = np.flatnonzero(~onwards.sound | (shapely.is_empty(onwards.shapes) & ~shapely.is_empty(walls[number])))
@@ -104,14 +67,6 @@ def _open_necks(walls: Shapes, rows: IntArray, wide: Shapes, width_mm: FloatArra
     changed: IntArray = rows[necks]
     walls[changed] = opened[necks]
     return changed
-
-
-def polygonal(shapes: Shapes) -> Shapes:
-    """(N,) shapes, in place, without the lines and points where others only touch."""
-    mixed = shapely.get_type_id(shapes) == shapely.GeometryType.GEOMETRYCOLLECTION
-    mixed |= shapely.get_dimensions(shapes) < 2
-    shapes[mixed] = shapely.buffer(shapes[mixed], 0.0)
-    return shapes
 
 
 def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
@@ -153,16 +108,13 @@ def boundary_paths(
     island = island[owner][part]
     printable = shapely.length(rings) >= 2.0 * width_mm[island]
     rings, island = rings[printable], island[printable]
-    points, ring = shapely.get_coordinates(rings, return_index=True)
-    closing = np.append(ring[1:] != ring[:-1], True)[: len(ring)]
-    points, ring = points.compress(~closing, axis=0), ring[~closing]
-    counts = np.bincount(ring, minlength=len(rings))
+    points, start = ring_points(rings)
     return Paths(
         points=points,
-        start=starts(counts),
+        start=start,
         layer=island_layer[island].astype(np.int64),
         feature=np.full(len(rings), int(feature), dtype=np.int64),
         island=island.astype(np.int64),
         closed=np.ones(len(rings), dtype=bool),
-        width=np.repeat(width_mm[island], counts),
+        width=np.repeat(width_mm[island], np.diff(start)),
     )

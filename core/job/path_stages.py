@@ -19,7 +19,7 @@ from ..settings import PrintSettings
 from ..slicing.slices import Slices
 from ..statistics.single_color import SingleColor, single_color
 from ..supports.grid_overlay import distinct
-from ..supports.paths import Supports, on_bed, supports
+from ..supports.supports import Supports, on_bed, supports
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths
 from ..toolpaths.outer_wall import outer_wall_paths, straight_parts

@@ -9,7 +9,7 @@ import shapely
 
 from ..contours.contours import LEAST_WIDTH, Contours
 from ..errors import counted
-from ..fill.walls import offset, simplified
+from ..fill.offsets import offset, simplified
 from ..mesh.components import connected
 from ..model import FloatArray, IntArray
 from ..records import dataclass

@@ -122,6 +122,13 @@ def ring_polygons(points: FloatArray, loop_start: IntArray, rings: IntArray, sta
     return polygons
 
 
+def ring_points(rings: NDArray[np.object_]) -> tuple[FloatArray, IntArray]:
+    """(N, 2) points of (R,) rings without the repeated first ones, and (R + 1,) where those of each ring start."""
+    points, ring = shapely.get_coordinates(rings, return_index=True)
+    kept = np.append(ring[1:] == ring[:-1], False)[: len(ring)]
+    return points.compress(kept, axis=0), starts(np.bincount(ring[kept], minlength=len(rings)))
+
+
 def containers(outlines: Outlines) -> tuple[IntArray, IntArray]:
     """Pairs (inner, outer) of loops of one layer: the outer one surrounds the first point of the inner one.
 

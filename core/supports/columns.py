@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..fill.walls import offset, simplified
+from ..fill.offsets import offset, simplified
 from ..model import Shapes
 from ..slicing.regions import gathered
 from .grid_overlay import SIMPLIFY_MM, difference, intersection, nothing

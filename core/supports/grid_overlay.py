@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ..fill.walls import polygonal
+from ..fill.offsets import polygonal
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..ragged import ranges

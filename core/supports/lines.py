@@ -7,13 +7,13 @@ import shapely
 
 from ..fill.hatch import crossings, long_enough, rotated, spans
 from ..fill.joining import LinkLimits, joined
-from ..fill.walls import offset
+from ..fill.offsets import offset
 from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.regions import gathered
+from ..slicing.regions import gathered, ring_points
 from .grid_overlay import areas, nothing, once, overlapping, thickness
 
 SUPPORT_ISLAND = -3
@@ -141,12 +141,8 @@ def _hatched(areas: Areas, shapes: Shapes, owner: IntArray, width: float) -> Pat
 
 
 def _loops(areas: Areas, parts: Shapes, owner: IntArray, width: float) -> Paths:
-    rings = shapely.get_exterior_ring(parts)
-    points, ring = shapely.get_coordinates(rings, return_index=True)
-    closing = np.append(ring[1:] != ring[:-1], True)[: len(ring)]
-    counts = np.bincount(ring[~closing], minlength=len(rings))
-    start = np.concatenate([[0], np.cumsum(counts)])
-    return _paths(areas, points[~closing], start, areas.layer[owner], True, width)
+    points, start = ring_points(shapely.get_exterior_ring(parts))
+    return _paths(areas, points, start, areas.layer[owner], True, width)
 
 
 def _paths(areas: Areas, points: FloatArray, start: IntArray, layer: IntArray, closed: bool, width: float) -> Paths:

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ..fill.bridges import Bridges
-from ..fill.walls import offset, offset_outlines, simplified
+from ..fill.offsets import offset, offset_outlines, simplified
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads
 from ..records import dataclass

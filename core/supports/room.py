@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ..contours.contours import Contours
-from ..fill.walls import offset_outlines
+from ..fill.offsets import offset_outlines
 from ..model import FloatArray, Shapes
 from ..parallel import geos_in_threads
 from ..pattern.wave import valley_lines

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import shapely
 
-from ..fill.walls import offset, simplified
+from ..fill.offsets import offset, simplified
 from ..mesh.components import connected
 from ..model import FloatArray, IntArray, Shapes
 from ..parallel import geos_in_threads

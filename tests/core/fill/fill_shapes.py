@@ -4,9 +4,10 @@ import numpy as np
 import shapely
 from dualcolor.core.fill.bridges import bridges
 from dualcolor.core.fill.closing import covering
+from dualcolor.core.fill.offsets import simplified
 from dualcolor.core.fill.paths import fill_areas, fill_lines, wall_areas
 from dualcolor.core.fill.skins import skins
-from dualcolor.core.fill.walls import simplified, walls_and_fill
+from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.model import IntArray, Shapes
 from dualcolor.core.paths import Paths
 from dualcolor.core.settings import PrintSettings

@@ -5,8 +5,9 @@ import pytest
 import shapely
 from dualcolor.core import parallel
 from dualcolor.core.fill.mitres import moved
+from dualcolor.core.fill.offsets import offset, offset_outlines, simplified
 from dualcolor.core.fill.skins import remainder, skins, solid_and_sparse
-from dualcolor.core.fill.walls import offset, offset_outlines, simplified, walls_and_fill
+from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.paths import Feature
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.core.fill.fill_shapes import (

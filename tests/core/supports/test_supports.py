@@ -16,7 +16,7 @@ from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.supports import grid_overlay
 from dualcolor.core.supports.lines import SUPPORT_ISLAND
-from dualcolor.core.supports.paths import supports
+from dualcolor.core.supports.supports import supports
 from dualcolor.core.toolpaths.loops import Turn
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.tests.core.fill.fill_shapes import lines_of
