@@ -23,7 +23,7 @@ class Closing:
 
     Attributes:
         inside: (I,) the region to fill, or somewhat more.
-        outlines: (L,) cross-section of each layer, simplified, see `covering`.
+        outlines: (L,) cross-section of each layer, simplified as far as is harmless for telling what covers what.
         skins: where fill is to be solid.
     """
 
@@ -48,7 +48,7 @@ def closing(polygons: Shapes, polygon_layer: IntArray, layers: int, settings: Pr
     width = line_widths(polygon_layer, settings)
     walls = (settings.perimeters + 1 - settings.infill_overlap / 100.0) * width
     inside = offset_outlines(simple, -(walls + _least_reach(polygon_layer, settings)))
-    outlines = _layers_of(simple, polygon_layer, layers)
+    outlines = layer_outlines(simple, polygon_layer, layers)
     return Closing(inside, outlines, skins(inside, polygon_layer, outlines, settings))
 
 
@@ -57,14 +57,8 @@ def bridges_in(found: Closing, island_layer: IntArray, settings: PrintSettings) 
     return bridges(found.inside, found.skins, found.outlines, island_layer, settings)
 
 
-def covering(sliced: Shapes) -> Shapes:
-    """(L,) cross-sections, simplified as far as is harmless for telling what covers what."""
-    parts, layer = shapely.get_parts(sliced, return_index=True)
-    return _layers_of(simplified(parts, _COVER_MM), layer, len(sliced))
-
-
-def _layers_of(shapes: Shapes, layer: IntArray, layers: int) -> Shapes:
-    """(L,) one shape of all shapes of each layer, which may overlap since they were simplified."""
+def layer_outlines(shapes: Shapes, layer: IntArray, layers: int) -> Shapes:
+    """(L,) one shape for each layer, of the shapes on it, which may overlap since they were simplified."""
     parts, owner = shapely.get_parts(shapes, return_index=True)
     some = ~shapely.is_empty(parts)
     outlines = gathered(parts[some], layer[owner[some]], layers)

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import FloatArray
+from ..model import BoolArray, FloatArray
 from ..ragged import sums
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -105,7 +105,7 @@ def polished(
         effort: how much to do.
         settings: the wavelength is used.
     """
-    lines, least = projector.lines, settings.wavelength
+    lines = projector.lines
     waves = MovingSamples(lines, samples)
     near, node = near_seams(grid, waves, effort.seam, effort.around)
     if effort.more and np.count_nonzero(near) <= effort.few:
@@ -113,23 +113,12 @@ def polished(
         near, node = near_seams(grid, waves, effort.seam, effort.around)
     if not len(node):
         return samples, 0.0
-    # Only where everything that a sample shapes is among the pairs.
+    # A sample may move only where everything that depends on it is among the pairs.
     free = near & near[waves.behind]
     pairs = pairs_between(projector, grid, waves, node, free, weight, effort.apart)
     best, best_place = np.inf, waves.place
     for stage in effort.stages:
-        velocity, stiff = np.zeros(len(waves.place)), None
-        for number in range(stage.steps):
-            if number % RELOCATED == RELOCATED - 1:
-                waves.relocate(pairs)
-            velocity *= MOMENTUM
-            step, stiff = _descent(waves, pairs, stage, effort.exact, stiff if number % STIFFENED else None)
-            step *= stage.rate + (stage.last - stage.rate) * number / max(stage.steps - 1, 1)
-            velocity += step
-            velocity *= free
-            np.minimum(np.maximum(velocity, -LONGEST * least, out=velocity), LONGEST * least, out=velocity)
-            waves.place = pushed(waves.place + velocity, waves.loop, waves.start, waves.length, least)
-        waves.relocate(pairs)
+        _descend(waves, pairs, stage, effort.exact, free, settings.wavelength)
         seen = waves.seen(pairs, effort.exact)
         if seen < best:
             best, best_place = seen, waves.place
@@ -138,7 +127,23 @@ def polished(
     return samples, float(best / patterned)
 
 
-def _descent(
+def _descend(waves: MovingSamples, pairs: Pairs, stage: Stage, exact: bool, free: BoolArray, wavelength: float) -> None:
+    """Move the samples that are `free` (S,) by the steps of one stage, with some momentum."""
+    velocity, stiff, longest = np.zeros(len(waves.place)), None, LONGEST * wavelength
+    for number in range(stage.steps):
+        if number % RELOCATED == RELOCATED - 1:
+            waves.relocate(pairs)
+        velocity *= MOMENTUM
+        step, stiff = _gauss_newton(waves, pairs, stage, exact, stiff if number % STIFFENED else None)
+        step *= stage.rate + (stage.last - stage.rate) * number / max(stage.steps - 1, 1)
+        velocity += step
+        velocity *= free
+        np.minimum(np.maximum(velocity, -longest, out=velocity), longest, out=velocity)
+        waves.place = pushed(waves.place + velocity, waves.loop, waves.start, waves.length, wavelength)
+    waves.relocate(pairs)
+
+
+def _gauss_newton(
     waves: MovingSamples, pairs: Pairs, stage: Stage, exact: bool, stiff: FloatArray | None
 ) -> tuple[FloatArray, FloatArray]:
     """(S,) the Gauss-Newton step of each sample in mm, and (S,) how stiff it is, if that is not given.

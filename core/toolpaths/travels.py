@@ -60,7 +60,7 @@ def rooms(inside: NDArray[np.object_], layer: IntArray, regions: NDArray[np.obje
     Args:
         inside: (I,) what lies inside the line of the outer wall.
         layer: (I,) of each.
-        regions: (L,) cross-section of each layer, see `fill.closing.covering`.
+        regions: (L,) cross-section of each layer, see `fill.closing.Closing`.
     """
     following = np.append(regions, np.array([shapely.Polygon()], dtype=object))
     return Rooms(inside, following[layer + 1])

@@ -3,7 +3,7 @@
 import numpy as np
 import shapely
 from dualcolor.core.fill.bridges import bridges
-from dualcolor.core.fill.closing import covering
+from dualcolor.core.fill.closing import layer_outlines
 from dualcolor.core.fill.offsets import simplified
 from dualcolor.core.fill.paths import fill_areas, fill_lines, wall_areas
 from dualcolor.core.fill.skins import skins
@@ -18,6 +18,12 @@ WIDTH = 0.4
 
 def square(side, x=0.0, y=0.0):
     return shapely.box(x - side / 2, y - side / 2, x + side / 2, y + side / 2)
+
+
+def covering(sliced):
+    """(L,) cross-sections as a print's own are simplified to see what covers what."""
+    parts, layer = shapely.get_parts(sliced, return_index=True)
+    return layer_outlines(simplified(parts, 0.05), layer, len(sliced))
 
 
 def annulus(outer, inner, x=0.0, y=0.0):

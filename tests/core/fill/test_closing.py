@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.fill.bridges import bridged
-from dualcolor.core.fill.closing import bridges_in, closing, covering
+from dualcolor.core.fill.closing import bridges_in, closing
 from dualcolor.core.fill.skins import solid_and_sparse, uncovered
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.settings import PrintSettings
-from dualcolor.tests.core.fill.fill_shapes import WIDTH, blobs, shapes, square
+from dualcolor.tests.core.fill.fill_shapes import WIDTH, blobs, covering, shapes, square
 
 STEPS = [-3, -2, -1, 3, 2, 1]
 

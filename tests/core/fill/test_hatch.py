@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import shapely
 from dualcolor.core.fill.bridges import bridged, bridges
-from dualcolor.core.fill.closing import covering
 from dualcolor.core.fill.hatch import crossings, spans
 from dualcolor.core.fill.paths import fill_areas, fill_lines, hatch_paths, planned, wall_areas
 from dualcolor.core.fill.skins import skins
@@ -15,6 +14,7 @@ from dualcolor.tests.core.fill.fill_shapes import (
     WIDTH,
     annulus,
     blobs,
+    covering,
     fill_paths,
     lines_of,
     shapes,
