@@ -10,6 +10,7 @@ from mathutils import Matrix
 
 from ..core.model import FloatArray
 from ..core.settings.printer import PrinterProfile
+from .mesh_data import in_world, positions
 from .rig import move, movers
 from .units import mm_per_unit
 
@@ -98,7 +99,5 @@ def _corners(obj: bpy.types.Object) -> FloatArray:
     turned = np.count_nonzero(np.abs(matrix[:3, :3]) > 1e-6 * np.abs(matrix[:3, :3]).max()) > 3
     if turned and obj.type == "MESH" and obj.mode != "EDIT":
         mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-        held = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-        mesh.attributes["position"].data.foreach_get("vector", held)
-        points = held.reshape(-1, 3) if len(held) else points
-    return points @ matrix[:3, :3].T + matrix[:3, 3]
+        points = positions(mesh) if len(mesh.vertices) else points
+    return in_world(points, matrix)

@@ -13,10 +13,15 @@ def new_material(name: str) -> bpy.types.Material:
     return material
 
 
+def principled(material: bpy.types.Material) -> bpy.types.ShaderNodeBsdfPrincipled:
+    """The Principled shader of a material that this program has made."""
+    return next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+
+
 def picture_node(material: bpy.types.Material) -> bpy.types.ShaderNodeTexImage:
     """A node for the picture that becomes a new material's base color; it is active, to bake and paint into."""
     tree = material.node_tree
-    shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader = principled(material)
     node = tree.nodes.new("ShaderNodeTexImage")
     node.location = (-320, 280)
     tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])

@@ -14,6 +14,7 @@ from ...core.model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneIma
 from ...core.records import dataclass
 from ...core.settings import PrintSettings
 from ...core.texture.decode import color_tone
+from ..mesh_data import corner_vertices, in_world, positions
 from ..units import mm_per_unit
 from .base_color import BaseColor, base_color, chosen_color, ignored_note, picture_layer
 from .image_input import image_tone
@@ -135,11 +136,9 @@ class _Corners:
     def of(mesh: bpy.types.Mesh) -> _Corners:
         count = len(mesh.loops)
         start = np.empty(len(mesh.polygons), dtype=np.int32)
-        vertex = np.empty(count, dtype=np.int32)
         mesh.polygons.foreach_get("loop_start", start)
-        mesh.loops.foreach_get("vertex_index", vertex)
         bounds = np.append(start, count).astype(np.int64)
-        return _Corners(bounds, vertex.astype(np.int64), np.repeat(np.arange(len(start)), np.diff(bounds)))
+        return _Corners(bounds, corner_vertices(mesh), np.repeat(np.arange(len(start)), np.diff(bounds)))
 
     def outward(self, mirrored: bool) -> IntArray:
         """(C,) the order of the corners in which faces look outward; a mirrored object turns every polygon around."""
@@ -168,12 +167,8 @@ def polygon_corners(mesh: bpy.types.Mesh) -> tuple[IntArray, IntArray]:
 
 def world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float) -> FloatArray:
     """(V, 3) mm in the world, of an evaluated object's mesh; `mm` is the length of a unit."""
-    position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.attributes["position"].data.foreach_get("vector", position)
-    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     with np.errstate(invalid="ignore"):  # vertices at infinity are refused later
-        world: FloatArray = position.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
-    return world * mm
+        return in_world(positions(mesh).astype(np.float64), np.array(evaluated.matrix_world)) * mm
 
 
 def _material_colors(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[BaseColor]:

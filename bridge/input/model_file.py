@@ -12,6 +12,7 @@ import numpy as np
 from mathutils import Euler, Matrix
 
 from ...core.errors import MeshError, PrintError
+from ..mesh_data import positions
 from ..quiet import quiet_stderr
 from ..units import mm_per_unit, use_millimeters
 from .mesh_input import evaluated_mesh
@@ -262,7 +263,7 @@ def baked(sources: list[bpy.types.Object], turn: Matrix, name: str) -> bpy.types
 
 def _height(path: Path, objects: list[bpy.types.Object]) -> float:
     """Of objects without transform together, mm."""
-    z = np.concatenate([_heights(obj.data) for obj in objects])
+    z = np.concatenate([positions(obj.data)[:, 2] for obj in objects])
     height = float(z.max() - z.min()) * mm_per_unit(bpy.context.scene)
     name = objects[0].name if len(objects) == 1 else str(path)
     if not math.isfinite(height):
@@ -277,9 +278,3 @@ def _scale(objects: list[bpy.types.Object], factor: float) -> None:
     for obj in objects:
         obj.data.transform(Matrix.Scale(factor, 4))
         obj[SCALE_KEY] = factor
-
-
-def _heights(mesh: bpy.types.Mesh) -> np.ndarray:
-    position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.attributes["position"].data.foreach_get("vector", position)
-    return position[2::3]

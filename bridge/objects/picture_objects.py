@@ -10,7 +10,7 @@ from ...core.pictures.shapes import PictureShape
 from ...core.settings import PrintSettings
 from ...core.texture.decode import srgb_from_linear
 from ..input.mesh_input import WITH_SURFACE
-from ..materials import new_material, picture_node
+from ..materials import new_material, picture_node, principled
 from ..properties import from_settings
 from ..units import mm_per_unit, use_millimeters
 
@@ -78,8 +78,7 @@ def _material(name: str, color: bpy.types.Image | float) -> bpy.types.Material:
     """A material whose base color is a picture, its texels shown as squares, or one even tone."""
     material = new_material(name)
     if isinstance(color, float):
-        shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-        shader.inputs["Base Color"].default_value = material.diffuse_color = (color, color, color, 1.0)
+        principled(material).inputs["Base Color"].default_value = material.diffuse_color = (color, color, color, 1.0)
     else:
         node = picture_node(material)
         node.image, node.interpolation = color, "Closest"

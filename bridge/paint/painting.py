@@ -17,6 +17,7 @@ from ..input.base_color import BaseColor, base_color, chosen_color, ignored_note
 from ..input.image_input import image_size, stored_pixels
 from ..input.printed_materials import printed_materials
 from ..materials import new_material, picture_node
+from ..mesh_data import corner_vertices, positions
 from ..units import mm_per_unit
 from .unwrap import GAP_MM, smart_project
 
@@ -135,12 +136,8 @@ def _side_mm(obj: bpy.types.Object) -> float:
     mesh.loop_triangles.foreach_get("loops", corner)
     uv = np.empty(len(mesh.loops) * 2, dtype=np.float32)
     mesh.uv_layers.active.uv.foreach_get("vector", uv)
-    position = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.attributes["position"].data.foreach_get("vector", position)
-    vertex = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", vertex)
     matrix = np.array(obj.matrix_world.to_3x3()) * mm_per_unit(bpy.context.scene)
-    places = (position.reshape(-1, 3) @ matrix.T)[vertex[corner]].reshape(-1, 3, 3)
+    places = (positions(mesh) @ matrix.T)[corner_vertices(mesh)[corner]].reshape(-1, 3, 3)
     charted = np.abs(_area(uv.reshape(-1, 2)[corner].reshape(-1, 3, 2))).sum()
     surface = np.linalg.norm(np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]), axis=1).sum() / 2
     if not charted > 0:

@@ -7,10 +7,10 @@ from collections.abc import Generator
 
 import bmesh
 import bpy
-import numpy as np
 
 from ...core.errors import MeshError
 from ...core.mesh.unwrapping import ChartOptions, PackOptions, unwrapping
+from ..mesh_data import corner_vertices, positions
 from ..units import mm_per_unit
 
 UV_LAYER = "Dual-Color"
@@ -60,11 +60,8 @@ def unwrap_steps(obj: bpy.types.Object, chart: ChartOptions, pack: PackOptions) 
         )
     triangles = _triangulated(obj.data)
     try:
-        vertices = np.empty((len(triangles.vertices), 3), dtype=np.float32)
-        triangles.attributes["position"].data.foreach_get("vector", vertices.ravel())
-        faces = np.empty((len(triangles.polygons), 3), dtype=np.int32)
-        triangles.loops.foreach_get("vertex_index", faces.ravel())
-        uv = yield from unwrapping(vertices * _scale(obj), faces, chart, pack)
+        faces = corner_vertices(triangles).reshape(-1, 3)
+        uv = yield from unwrapping(positions(triangles) * _scale(obj), faces, chart, pack)
         if obj.data.is_editmode:
             raise MeshError(f"{obj.name} is being edited", "leave Edit Mode first")
         _copy_into(triangles, obj.data)

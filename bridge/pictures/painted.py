@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ...core.model import SurfaceModel, ToneImage
+from ..materials import principled
 from .plastics import REFLECTANCE, diffuse_material
 
 _SHARP_RAD = math.radians(40.0)
@@ -67,8 +68,7 @@ def _paint(name: str, picture: ToneImage | None, background: float) -> bpy.types
     reflectance.inputs["To Min"].default_value = REFLECTANCE["Black"]
     reflectance.inputs["To Max"].default_value = REFLECTANCE["White"]
     links.new(tone, reflectance.inputs["Value"])
-    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
-    links.new(reflectance.outputs["Result"], shader.inputs["Base Color"])
+    links.new(reflectance.outputs["Result"], principled(material).inputs["Base Color"])
     return material
 
 

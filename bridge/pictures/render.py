@@ -16,6 +16,7 @@ from ...core.errors import PrintError
 from ...core.model import FloatArray, SurfaceModel
 from ...core.paths import Feature
 from ...core.pictures.viewing import Picture
+from ..mesh_data import in_world
 from ..strands.scrubber import strands_in
 from ..strands.strand_curves import read_strands, set_drawing
 from ..units import mm_per_unit
@@ -162,9 +163,7 @@ def _copy_strands(
     if not wanted:
         raise PrintError("there are no strands to render", "generate the toolpath first")
     matrices = [np.array(shown.matrix_world) for shown, *_ in wanted]
-    world = [
-        points @ matrix[:3, :3].T + matrix[:3, 3] for (_, points, *_), matrix in zip(wanted, matrices, strict=True)
-    ]
+    world = [in_world(points, matrix) for (_, points, *_), matrix in zip(wanted, matrices, strict=True)]
     factor = STUDIO_SIZE / float(np.linalg.norm(np.ptp(np.concatenate(world), axis=0)))
     for (shown, points, counts, radius), matrix in zip(wanted, matrices, strict=True):
         rods = render_rods(shown, points * factor, counts, radius * factor, scene)

@@ -17,6 +17,7 @@ from ...core.printability.slopes import DEGRADED_DEG, GONE_DEG
 from ...core.records import dataclass
 from ...core.texture.decode import LUMINANCE
 from ..input.base_color import BaseColor
+from ..materials import principled
 from ..pictures.plastics import diffuse_material
 
 ACROSS, UP, GRADIENT, STRIPES, BACKGROUND = "Across", "Up", "Gradient", "Stripes", "Background"
@@ -54,8 +55,7 @@ def proof_material(name: str, paint: Paint, response: bpy.types.Image) -> bpy.ty
     tone = _tone(graph, paint, normal)
     rise = graph.part(normal, 2)
     shown = _marked(graph, _looked_up(graph, tone, rise, response), rise)
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    graph.link(shown, shader.inputs["Base Color"])
+    graph.link(shown, principled(material).inputs["Base Color"])
     return material
 
 

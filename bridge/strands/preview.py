@@ -14,6 +14,7 @@ from ...core.strands.point_attributes import moves_of_layers, point_attributes, 
 from ...core.strands.settling import settled
 from ...core.strands.strands import strands
 from ..input.mesh_input import evaluated_mesh
+from ..mesh_data import corner_vertices, in_world, positions
 from ..units import mm_per_unit
 from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers, strands_in
 from .strand_curves import set_drawing, strand_objects
@@ -166,10 +167,6 @@ def _replace_strands(collection: bpy.types.Collection, new: list[bpy.types.Objec
 def bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> FloatArray:
     """(3,) mm, where the bed's origin lies in the world so that the print stands in its source's place."""
     with evaluated_mesh(source, bpy.context.evaluated_depsgraph_get()) as data:
-        local = np.empty(len(data.vertices) * 3, dtype=np.float32)
-        data.attributes["position"].data.foreach_get("vector", local)
-        corners = np.empty(len(data.loops), dtype=np.int32)
-        data.loops.foreach_get("vertex_index", corners)
-    matrix = np.array(source.matrix_world)
-    world = local.reshape(-1, 3)[np.unique(corners)] @ matrix[:3, :3].T + matrix[:3, 3]
+        local = positions(data)[np.unique(corner_vertices(data))]
+    world = in_world(local, np.array(source.matrix_world))
     return world.min(axis=0) * unit - mesh.bounds_of(0)[0]

@@ -8,6 +8,7 @@ import numpy as np
 from ...core.errors import PrintError
 from ...core.ragged import starts
 from ...core.strands.tubes import Rods
+from ..mesh_data import in_world
 from ..units import mm_per_unit
 from .scrubber import strands_in
 from .strand_curves import read_strands
@@ -24,7 +25,7 @@ def rods_of(collection: bpy.types.Collection) -> Rods:
     for shown in strands_in(collection):
         points, counts, radius, _ = read_strands(shown)
         matrix = np.array(shown.matrix_world)
-        world = (points @ matrix[:3, :3].T + matrix[:3, 3]) * unit
+        world = in_world(points, matrix) * unit
         across = radius * (unit * np.linalg.norm(matrix[:3, 0]))
         parts.append(Rods(world, starts(counts), across, radius * (unit * np.linalg.norm(matrix[:3, 2]))))
     if not parts:

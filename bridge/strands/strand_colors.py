@@ -8,7 +8,7 @@ import bpy
 
 from ...core.paths import Feature
 from ...core.records import dataclass
-from ..materials import new_material
+from ..materials import new_material, principled
 
 Color = tuple[float, float, float]
 
@@ -91,7 +91,6 @@ def _material(legend: Legend) -> bpy.types.Material:
         return bpy.data.materials[name]
     material = new_material(name)
     nodes, links = material.node_tree.nodes, material.node_tree.links
-    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     label, scale, ramp = (nodes.new(f"ShaderNode{kind}") for kind in ("Attribute", "MapRange", "ValToRGB"))
     label.attribute_name = legend.attribute
     # Of single values each has a band of its own around it.
@@ -107,5 +106,5 @@ def _material(legend: Legend) -> bpy.types.Material:
         stop.position, stop.color = place, (*color, 1.0)
     links.new(label.outputs["Fac"], scale.inputs["Value"])
     links.new(scale.outputs["Result"], ramp.inputs[0])
-    links.new(ramp.outputs[0], shader.inputs["Base Color"])
+    links.new(ramp.outputs[0], principled(material).inputs["Base Color"])
     return material

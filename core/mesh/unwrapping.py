@@ -12,10 +12,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import MeshError, PrintError
-from ..model import Float32Array
+from ..model import Float32Array, IntArray
 from ..records import dataclass
 
 TRIANGLES_PER_SECOND = 4000.0
@@ -63,7 +62,7 @@ class PackOptions:
 
 
 def unwrapping(
-    vertices: Float32Array, faces: NDArray[np.int32], chart: ChartOptions, pack: PackOptions
+    vertices: Float32Array, faces: IntArray, chart: ChartOptions, pack: PackOptions
 ) -> Generator[float, None, Float32Array]:
     """Unwrap triangles; yields an estimate of the share done, returns (F, 3, 2) UVs of their corners, in 0 to 1.
 
