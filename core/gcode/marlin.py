@@ -27,7 +27,12 @@ def marlin_start(commands: MarlinCommands, settings: PrintSettings, hot: dict[in
         hot: °C of the tools that the print uses; the last one starts the print.
     """
     *_, first = hot
-    return _filled(commands.start, settings, 0, first, hot)
+    printer = settings.printer_profile
+    values: dict[str, float] = {"{bed}": bed_temperature(settings, 0), "{tool}": first}
+    for tool in (0, 1):
+        degrees = hot.get(tool, 0.0)
+        values |= {f"{{nozzle_{tool}}}": degrees, f"{{warm_up_{tool}}}": min(printer.warm_up_c, degrees)}
+    return _filled(commands.start, values | {"{acceleration}": min(printer.acceleration_mm_s2[:2])})
 
 
 def marlin_tool_change(commands: MarlinCommands, tool: int) -> list[str]:
@@ -38,7 +43,9 @@ def marlin_tool_change(commands: MarlinCommands, tool: int) -> list[str]:
 def marlin_end(commands: MarlinCommands, settings: PrintSettings, tool: int) -> list[str]:
     """Pull the filament of the active tool back, then the profile's end."""
     pull_back = f"G1 {FILAMENT_AXIS}{-settings.retract_length:.5f} F{settings.retract_speed * 60:.0f}"
-    return [pull_back, *fan_off(settings), *_filled(commands.end, settings, 1, tool)]
+    values = {f"{{nozzle_{number}}}": nozzle_temperature(settings, number, 1) for number in (0, 1)}
+    values |= {"{bed}": bed_temperature(settings, 1), "{tool}": tool}
+    return [pull_back, *fan_off(settings), *_filled(commands.end, values)]
 
 
 def fed_by_each(counter: IntArray, tool: IntArray) -> IntArray:
@@ -50,13 +57,8 @@ def fed_by_each(counter: IntArray, tool: IntArray) -> IntArray:
     return fed
 
 
-def _filled(
-    lines: Iterable[str], settings: PrintSettings, layer: int, tool: int, hot: Mapping[int, float] | None = None
-) -> list[str]:
-    """Lines with numbers in place of names: of a layer and a tool, except for nozzles of which it is known better."""
-    nozzles = {number: nozzle_temperature(settings, number, 1) for number in (0, 1)} | dict(hot or {})
-    values = {"{bed}": bed_temperature(settings, layer), "{tool}": tool}
-    values |= {f"{{nozzle_{number}}}": degrees for number, degrees in nozzles.items()}
+def _filled(lines: Iterable[str], values: Mapping[str, float]) -> list[str]:
+    """Lines with numbers in place of names."""
     filled = []
     for line in lines:
         for name, value in values.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -71,20 +72,23 @@ def program(moves: Moves, settings: PrintSettings, begins: FloatArray | None = N
     content = untimed_program(moves, settings)
     if begins is None:
         begins = layer_begins(moves, move_seconds(moves, settings.printer_profile))
-    lines = iter(progress_lines(begins))
+    lines = iter(progress_lines(begins, settings.printer_profile))
     insertions = [text.replace(PROGRESS, next(lines)) if PROGRESS in text else text for text in content.insertions]
     return replace(content, insertions=insertions)
 
 
-def progress_lines(begins: FloatArray) -> list[bytes]:
+def progress_lines(begins: FloatArray, printer: PrinterProfile) -> list[bytes]:
     """By layer, the line with the share of the time that has passed when it begins; empty where that is no greater.
 
     Args:
         begins: s that pass before each layer, and the total.
+        printer: one with Marlin's commands is also told how many minutes are left, from the first layer on.
     """
+    rest = [b" R%d" % math.ceil(left / 60) if printer.marlin else b"" for left in (begins[-1] - begins[:-1]).tolist()]
     share = begins[:-1] / begins[-1] if begins[-1] > 0 else begins[:-1]
     percents = (share * 100).astype(np.int64).clip(0, 99).tolist()  # a print is never done before its end
-    return [b"M73 P%d\n" % percent if percent > before else b"" for before, percent in pairwise([0, *percents])]
+    steps = zip(pairwise([-1 if printer.marlin else 0, *percents]), rest, strict=True)
+    return [b"M73 P%d%s\n" % (percent, left) if percent > before else b"" for (before, percent), left in steps]
 
 
 def untimed_program(moves: Moves, settings: PrintSettings) -> Program:

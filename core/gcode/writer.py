@@ -101,7 +101,9 @@ def counted_text(
     content = begun.content
     first, last = joined(_header_lines(settings, header) + content.start), joined(content.end)
     others = b"".join([b"\n", first, *content.insertions, last]).count(b"\nG1 ")
-    return b"".join([first, *_with_progress(begun.chunks, begins), last]), len(content.lines.tool) + others
+    return b"".join(
+        [first, *_with_progress(begun.chunks, progress_lines(begins, settings.printer_profile)), last]
+    ), len(content.lines.tool) + others
 
 
 def _with_widths(content: Program) -> tuple[IntArray, list[bytes]]:
@@ -114,9 +116,9 @@ def _with_widths(content: Program) -> tuple[IntArray, list[bytes]]:
     return places[order], [texts[number] for number in order.tolist()]
 
 
-def _with_progress(chunks: list[bytes], begins: FloatArray) -> Iterator[bytes | memoryview]:
+def _with_progress(chunks: list[bytes], progress: list[bytes]) -> Iterator[bytes | memoryview]:
     """The chunks in pieces, without copies, with their `PROGRESS` replaced."""
-    lines = iter(progress_lines(begins))
+    lines = iter(progress)
     for text in chunks:
         begin, end = 0, text.find(PROGRESS[0])
         while end >= 0:

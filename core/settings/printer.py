@@ -25,8 +25,9 @@ PRINTERS = Path(__file__).resolve().parent.parent.parent / "presets" / "printer"
 class MarlinCommands:
     """The commands of a printer with Marlin or Klipper firmware; others get MakerBot's dialect.
 
-    In the lines {bed}, {nozzle_0} and {nozzle_1} stand for temperatures, at the start those of the first layer; {tool}
-    stands for the number of a tool.
+    In the lines {bed}, {nozzle_0} and {nozzle_1} stand for temperatures, at the start those of the first layer, 0 for a
+    nozzle that the print does not use; {tool} stands for the number of a tool. At the start {warm_up_0} and {warm_up_1}
+    are `warm_up_c`, or what a nozzle needs if that is less, and {acceleration} is that of X and Y.
 
     Attributes:
         origin: mm, X and Y of the bed's center in the printer's own coordinates.

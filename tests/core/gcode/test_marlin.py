@@ -33,6 +33,9 @@ class Firmware:
     switched_on: int = 0
     printing: bool = False
     primed: list = field(default_factory=list)
+    acceleration: dict = field(default_factory=dict)
+    waiting_for_bed: list = field(default_factory=list)
+    left: list = field(default_factory=list)
 
     def run(self, text):
         for line in text.splitlines():
@@ -49,6 +52,8 @@ class Firmware:
             self.target[int(values["T"])] = values["S"]
         elif command in ("M140", "M190"):
             self.target["bed"] = values["S"]
+            if command == "M190":
+                self.waiting_for_bed = [self.target[0], self.target[1], self.place[2]]
         elif command in ("T0", "T1"):
             self.changes += bool(self.laid) and self.tool != int(command[1])
             self.tool = int(command[1])
@@ -57,8 +62,12 @@ class Firmware:
             self.fan[int(values.get("P", max(self.tool, 0)))] = values.get("S", 255.0) if command == "M106" else 0.0
         elif command == "G1":
             self.move(values)
+        elif command == "M204":
+            self.acceleration = values
+        elif command == "M73":
+            self.left.append((values["P"], values["R"]))
         else:
-            assert command in ("G21", "G90", "G91", "G28", "M84", "M73"), command
+            assert command in ("G21", "G90", "G91", "G28", "M84"), command
 
     def move(self, values):
         begin = self.place.copy()
@@ -117,9 +126,32 @@ def test_a_whole_print_heats_changes_tools_and_cools():
     told = Firmware().run(text)
     assert told.changes == result.report["layers"] - 1
     assert told.target == {0: 0, 1: 0, "bed": 0}
+    assert told.acceleration == dict.fromkeys("PT", SETTINGS.printer_profile.acceleration_mm_s2[0])
     assert not re.search(r"^(M13[2-7]|G16|.* [AB]-?\d)", text, re.MULTILINE)
     places = np.array(told.laid)[:, 1:3]
     assert places.min() > 0 and places.max() < 235
+
+
+def test_nozzles_do_not_drip_on_the_bed_while_it_heats():
+    told = Firmware().run(gcode_text(rosette(12, 200), SETTINGS, []).decode())
+    assert told.waiting_for_bed == [140, 140, 10]
+    cool = SETTINGS.changed({"nozzle_temperature_0": 120})
+    text = gcode_text(rosette(12, 200), cool, []).decode()
+    assert "\nM104 T0 S120\nM104 T1 S140\n" in text
+
+
+def test_a_nozzle_that_is_not_used_stays_cold():
+    moves = rosette(6, 50)
+    moves.tool[:] = 1
+    text = gcode_text(moves, SETTINGS, []).decode()
+    assert set(re.findall(r"^M10[49] T0 S(\d+)$", text, re.MULTILINE)) == {"0"}
+    assert "M109 T1 S235" in text
+
+
+def test_the_minutes_that_are_left_count_down_to_none():
+    begins = np.array([0.0, 250.0, 600.0, 1000.0])
+    told = Firmware().run(gcode_text(rosette(3, 40), SETTINGS, [], begins).decode())
+    assert told.left == [(0, 17), (25, 13), (60, 7), (100, 0)]
 
 
 @pytest.mark.parametrize("side", [12, 210])
@@ -174,7 +206,9 @@ def test_bridges_get_more_air(usual, bridging):
 
 def test_the_fan_is_left_alone_where_it_is_off():
     moves = rosette(4, 50)
-    assert b"M10" not in gcode_text(moves, SETTINGS, []).replace(b"M104", b"").replace(b"M109", b"")
+    start, text = gcode_text(moves, SETTINGS, []).split(b"; layer 0")
+    assert b"\nM107\n" in start and b"M106" not in start  # an aborted print may have left it on
+    assert b"M10" not in text.replace(b"M104", b"").replace(b"M109", b"")
     assert b"\nM12" not in gcode_text(moves, PrintSettings(), [])
     assert preset_values(["pla"])["fan_speed"] == 100 and preset_values(["abs_black"])["fan_speed"] == 0
 
