@@ -31,7 +31,7 @@ INTERVAL_S = 0.001
 ROW, TEXT, LETTER = 17, 11, 6.2
 LEAST_PIXELS = 1.0
 # What only hands work on to others, in threads or to be kept.
-BETWEEN = ("chunks.py", "parallel.py", "stage_cache.py", "report.py", "progress.py", "flame.py")
+BETWEEN = ("parallel.py", "stages.py", "stage_cache.py", "clock.py", "progress.py", "flame.py")
 Box = tuple[int, float, float, str, str]
 
 
@@ -118,7 +118,7 @@ def _stack(frame: FrameType | None) -> Iterator[str]:
     """Our functions and those that we call of libraries, the innermost first."""
     while frame:
         code, path = frame.f_code, Path(frame.f_code.co_filename)
-        if path.name not in BETWEEN and code.co_name != "aside" and not code.co_name.startswith("<"):
+        if path.name not in BETWEEN and not code.co_name.startswith("<"):
             if path.is_relative_to(ROOT):
                 yield f"{code.co_name} ({path.relative_to(ROOT).as_posix()})"
             elif library := next((part for part in ("numpy", "shapely") if part in path.parts), ""):

@@ -30,7 +30,7 @@ class _Kept:
 
 _kept: dict[int, _Kept] = {}
 _stages: dict[int, StageCache] = {}
-"""Of the object that was worked on last."""
+"""Results of stages, of the object that was worked on last only."""
 
 
 def keep(obj: bpy.types.Object, digest: str, result: DualColorPrint) -> None:

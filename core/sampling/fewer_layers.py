@@ -1,9 +1,9 @@
 """A phase grid of every few layers, and the phase of the waves on the layers between.
 
-From a layer to the next the phase hardly changes, so that most of what the optimized sampling looks for is found on
-every few layers. Contours between them whose nodes do not all lead to one of these layers, or whose length changes too
-fast on the way, are kept as well; on the others the phase follows from that of the layer above them: sliding is shared
-evenly by the layers that it goes through.
+The phase hardly changes from one layer to the next, so the optimized sampling looks for it on every few layers only. On
+the layers between it follows from that of the layer above, and the sliding is shared evenly by the layers that it goes
+through. A contour between them is kept in the grid as well if some of its nodes do not lead up to one of these layers,
+or if its length changes too fast on the way.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ from ..records import dataclass
 from .phase import Phase
 from .phase_grid import PhaseGrid, image_steps, linked_grid
 
-# A contour is kept where its images on the layer that is kept are longer or shorter by this share.
+# A contour is kept in the grid if its image on the layer above is longer or shorter than itself by this share.
 STEEP = 0.3
-# Lengths of edges between the layers count at most this much less or more than that of the edge they lead to.
+# An edge between the layers counts as no shorter than this share of the edge that it leads to, and no longer than the
+# inverse of it.
 LEAST_RATIO = 0.75
-# Edges shorter than this share of their own length where they lead to say nothing.
+# An edge whose image is shorter than this share of its own length tells nothing of the waves on it.
 SHRUNK = 0.3
-# Where more than so many times the usual number of waves would rise between two nodes the surface is torn.
+# If the phase would rise between two nodes by more than so many times the usual waves, the surface is torn there.
 MOST_RISE = 3
 
 
@@ -60,7 +61,7 @@ class FewerLayers:
         slid[node] = self._slides(phase, self.place[node], up[node]) * (
             lines.layer[up[node]] - lines.layer[grid.loop[node]]
         )
-        # What rises between two nodes where they lead to, if that is one contour; else what is usual.
+        # The rise between two nodes is that between their images where these are on one contour; else the usual one.
         way = np.where(self.kept, 0.0, self.place)
         way = way[grid.ahead] - way
         over = np.rint(way / lines.length[up])

@@ -26,8 +26,8 @@ from .phase_grid import PhaseGrid
 # Stiffness of the spacing inside of its bounds and outside of them, against that of the link between layers.
 SOFT, HARD = 0.02, 20.0
 MARGIN = 0.01
-# Sliding of a wave's share in a layer that begins to be seen, and that only a birth or a death can cause; over several
-# layers the latter is at most so much.
+# Sliding in a layer, in waves, from which on it is seen, and beyond which only a birth or a death can cause it; where a
+# node and its image are several layers apart, the latter is at most so much.
 VISIBLE, BROKEN, MOST_BROKEN = 0.1, 0.2, 0.4
 CONVERGED = 1e-8
 

@@ -2,8 +2,8 @@
 
 The optimized sampling (`optimized.py`) looks for the phase φ of the waves, a number that grows by 1 from sample to
 sample, at a few places of each contour. Where a place lies on the layer above, as the paper projects it, is worked out
-once; wherever two neighboring places do not have neighboring images the surface is *torn* there: no seam can be seen,
-and the phases of the two sides owe each other nothing.
+once. Wherever two neighboring places do not have neighboring images, the surface is *torn*: no seam can be seen there,
+and the phases of the two sides need not fit.
 """
 
 from __future__ import annotations
@@ -35,9 +35,10 @@ class PhaseGrid:
         low: (K,) int64, the node before the image, 0 where there is none.
         share: (K,) how far the image lies on the way from `low` to the next node.
         span: (K,) how many layers higher the image is; 1 where there is none.
-        shortest: (K,) mm, the least length of each edge and of what leads to it between the layers of the grid.
-        longest: (K,) mm, the greatest.
-        stands_for: (K,) on about how many layers each edge's waves are.
+        shortest: (K,) mm, the least of the lengths of each edge and of what leads to it on layers between those of the
+            grid; its waves have to fit on all of them.
+        longest: (K,) mm, the greatest of these.
+        stands_for: (K,) how many layers each edge stands for, about.
         lookup: finds arcs among those of the nodes.
     """
 

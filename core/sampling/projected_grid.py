@@ -1,6 +1,6 @@
-"""The phase grid of some contours: where its nodes are, and where these lie on the layer above.
+"""Makes the phase grid of some contours: where its nodes are, and where these lie on the layer above.
 
-Few nodes are searched on the whole layer above; the others lie near where the images of their neighbors are.
+Few nodes are searched for on the whole layer above; the others are looked for near the images of their neighbors.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from ..settings import PrintSettings
 from .phase_grid import PhaseGrid, brought_back, image_steps, lengths, linked_grid
 from .projector import Projector
 
-# Every so many contour points are projected as a rule, at least so many of each contour. One of so many points is
-# searched on the whole layer above, at least so many of a contour, but no more than every other of these; the others
-# are looked for near where their neighbors' images are.
+# Every so many contour points is a node, and each contour has at least so many nodes.
+# One in so many contour points is searched for on the whole layer above, at least so many of each contour, but at most
+# every other node. The rest is looked for near the images of its neighbors.
 STATION_STRIDE, LEAST_NODES = 3, 8
 SEARCHED, LEAST_SEARCHED = 96, 4
 # Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
@@ -34,7 +34,7 @@ def phase_grid(
 ) -> PhaseGrid:
     """A grid with a node every so many contour points, and closer ones where the surface is torn.
 
-    The second stride says how many points lie between those that are searched on the whole layer above.
+    One in `searched_stride` contour points is searched for on the whole layer above.
     """
     usable = long_enough(lines.length, settings)
     every = _strides(lines, stride)
@@ -75,9 +75,9 @@ def _followed_images(
     usable: BoolArray,
     tear: float,
 ) -> tuple[FloatArray, IntArray]:
-    """Images of contour points, of which some, the first of each contour among them, are searched on the whole layer.
+    """Images of nodes; those that are `searched`, with the first of each contour, are searched for on the whole layer.
 
-    Where neighbors of these have neighboring images, those of the points between them lie near the line between.
+    Where neighbors among these have neighboring images, the images of the nodes between them lie near the line between.
     """
     above, up = np.full(len(node), np.nan), np.zeros(len(node), dtype=np.int64)
     point, own = node[searched], loop[searched]

@@ -31,11 +31,11 @@ from .samples import Samples
 from .seam_pairs import FULL, HALF, MovingSamples, Pairs, Singles, near_seams, pairs_between
 from .spacing import bounded, pushed
 
-# α, where q is the error and where it comes from the slide.
+# α where q is the error, and where q comes from the slide.
 UNSEEN_ERROR, UNSEEN_SLIDE = 0.03, 0.1
-# The greatest length of a step in wavelengths, and what damps it, 1/mm².
+# The greatest length of a step, in wavelengths, and what is added to the stiffness to damp it, 1/mm².
 LONGEST, DAMPING = 0.08, 1.0
-# Steps have at least this share of the stiffness of no slide, however far the waves have slid.
+# However far the waves have slid, they count as at least this share as stiff as without any slide.
 LEAST_STIFFNESS = 0.15
 # Share of a step that the next one keeps on.
 MOMENTUM = 0.6
@@ -52,8 +52,8 @@ class Stage:
     Attributes:
         steps: how many.
         doublings: p is 2 to this power.
-        half: q₀, which counts half.
-        rate: the share of the Gauss-Newton step that is gone at first.
+        half: q₀, the q that counts half.
+        rate: the share of the Gauss-Newton step that is taken at first.
         last: the share at last.
     """
 

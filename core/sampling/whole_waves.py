@@ -1,11 +1,12 @@
 """Whole numbers of waves: where waves begin and end, rounded from a plan of fractions, layer by layer from below.
 
-What the layer below hands up is the phase itself; what it lacks against the plan, D, is carried along. D is free up to
-a whole number everywhere. It is taken as continuous along the contour, and where it strays too far from its mean around
-the loop, a wave begins at one end of that stretch and one ends at the other; where the two ends are one and the same,
-around the loop, its number of waves changes. A contour that would have too many or too few waves for the bounds on the
-spacing loses or gets one where D strays least with it. Smoothing D along the contour in each layer is the relaxation of
-the paper.
+Each layer takes its phase over from the layer below. What is carried along is the difference D between that phase and
+the planned one. A whole number may be added to D anywhere, since a phase looks the same one wave farther on; so D is
+made continuous along the contour. Where it still strays too far from its mean around the loop, that stretch is moved by
+a whole wave: a wave begins at one end of the stretch and one ends at the other. If the loop does not close with the
+planned number of waves, that number changes. A contour that would have too many or too few waves for the bounds on the
+spacing loses or gets one where D then strays least. Smoothing D along the contour in each layer corresponds to the
+relaxation of the paper.
 
 The sum of all waves is steered to that of the plan, so that the mean spacing is the one asked for.
 """
@@ -25,19 +26,19 @@ from .phase import Phase
 from .phase_grid import PhaseGrid
 from .wave_plan import WavePlan
 
-# Waves by which the phase may stray from the plan before a wave is added or dropped, from and to; the stretch that is
-# changed ends at this share of it.
+# The phase may stray from the plan by at least and at most so many waves before one is added or dropped; the stretch
+# that is then changed reaches to where it strays by this share of that.
 STRAYS, STRETCH = (0.55, 1.5), 0.5
-# The plan is tilted by at most so many waves each way to steer their sum, which alone adds and drops none. What came
-# in excess shall be made up for in one of so many parts of what is left.
+# To steer the sum of the waves, the plan is tilted along each contour by at most so many waves each way, too few to add
+# or drop one alone; and so that what is in excess is made up for within 1 / HASTE of the waves that are left.
 STEERED, HASTE = 0.3, 4.0
-# The phase's difference from the plan is smoothed so often in each layer, and may be mended so often.
+# So often D is smoothed in each layer, and stretches that stray are moved.
 SMOOTHINGS = 2
 MENDINGS = 2
 
 
 def feasible_turns(grid: PhaseGrid, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
-    """(M,) fewest and (M,) most waves that each contour, and those between the layers of the grid, hold."""
+    """(M,) fewest and (M,) most waves that fit on each contour, and on those that it stands for between the layers."""
     most = np.floor(sums(grid.shortest, grid.start) / settings.wavelength + 1e-9)
     fewest = np.floor(sums(grid.longest, grid.start) / (2 * settings.wavelength)) + 1
     # A short contour that is much longer or shorter than those between has at least the waves that it holds itself.
@@ -66,7 +67,7 @@ def _before(values: FloatArray) -> FloatArray:
 
 
 class _HandedUp:
-    """What each layer hands up to the next: E entries, sorted by where they lie on the contours above.
+    """What each layer hands up to the next: E entries, one a linked node, sorted by their images on the contours above.
 
     Attributes:
         source: (E,) int64, the node below.

@@ -49,7 +49,7 @@ def _linked(
     cut = crossings(mesh, planes)
     if int((cut.high - cut.low).sum()) <= most_cuts:
         segments = cut.segments()
-        del cut  # memory used before is used again sooner than new one
+        del cut  # the system hands freed memory out again faster than new memory
         return link(segments, gap_closing_radius)
     begins, ends = (np.bincount(at, minlength=len(planes) + 1)[: len(planes)] for at in (cut.low, cut.high))
     cuts = np.cumsum(np.cumsum(begins - ends))

@@ -32,7 +32,7 @@ def link(segments: Segments, gap_closing_radius: float) -> tuple[Outlines, IntAr
     layer = segments.layer.take(order[start[:-1]])
     mesh, plane = segments.mesh, np.repeat(segments.planes.take(layer), np.diff(start))
     tail = segments.tail.take(order)
-    del segments, order  # memory used before is used again sooner than new one
+    del segments, order  # the system hands freed memory out again faster than new memory
     points, share = _cut(mesh, tail, plane)
     # Where a segment ends, the next one starts: on the same edge, seen from the face beyond.
     arrival = _cut(mesh, tail ^ 1, plane)[1] if has_gaps else ahead(share, start)
