@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import bpy
@@ -56,8 +57,10 @@ def printed(
     settings = to_settings(obj.dualcolor)
     images = [each.dualcolor.image for each in objects]
     model = plate_model(objects, context.evaluated_depsgraph_get(), settings, images)
-    digest = digest_of(model, settings)
-    result = kept(obj, digest) if reuse else None
+    beside = ThreadPoolExecutor(1)  # reading all texels takes as long as a stage
+    digest = beside.submit(digest_of, model, settings)
+    beside.shutdown(wait=False)
+    result = kept(obj, digest.result()) if reuse else None
     if result is None:
         job = steps(model, settings, stages_of(obj), begin_gcode)
         result = yield from translated(job, lambda step: (step[0] * _SHARE_OF_PIPELINE, step[1]))
@@ -67,7 +70,7 @@ def printed(
         if context.object is None:  # one of the former strands was active
             make_active(context, obj)
         set_report(obj.dualcolor, result.report)
-        keep(obj, digest, replace(result, begun=None))  # as large as the file
+        keep(obj, digest.result(), replace(result, begun=None))  # as large as the file
     return result
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from typing import TYPE_CHECKING
 
 import bpy
@@ -55,9 +54,8 @@ def build_preview(
     laid = settled(strands(result.moves), result.settings.sag)
     outlines = getattr(result, "outlines", None)  # what is read from a file tells nothing of tones
     tone = tone_of_moves(outlines, result.moves, result.settings.raft_layers) if outlines else None
-    new = strand_objects(
-        laid, result.settings.black_tool, unit, origin, partial(point_attributes, moves=result.moves, tone=tone)
-    )
+    attributes_of = point_attributes(result.moves, tone)
+    new = strand_objects(laid, result.settings.black_tool, unit, origin, attributes_of)
     collection = preview_of(source) if source else _read_before(name)
     collection = collection or bpy.data.collections.new(f"{name} Dual-Color")
     _replace_strands(collection, new, name)
@@ -167,6 +165,6 @@ def _replace_strands(collection: bpy.types.Collection, new: list[bpy.types.Objec
 def bed_origin(mesh: TriangleMesh, source: bpy.types.Object, unit: float) -> FloatArray:
     """(3,) mm, where the bed's origin lies in the world so that the print stands in its source's place."""
     with evaluated_mesh(source, bpy.context.evaluated_depsgraph_get()) as data:
-        local = positions(data)[np.unique(corner_vertices(data))]
+        local = positions(data)[corner_vertices(data)]
     world = in_world(local, np.array(source.matrix_world))
     return world.min(axis=0) * unit - mesh.bounds_of(0)[0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -18,23 +19,23 @@ _CELL = 1e-4  # mm; places that are nearer are the same
 _BITS = 22  # of a coordinate in cells, enough for beds of 400 mm
 
 
-def point_attributes(laid: Strands, moves: Moves, tone: FloatArray | None = None) -> dict[str, NDArray[Any]]:
-    """Attributes by name, (N,) values each, one for every point.
+def point_attributes(moves: Moves, tone: FloatArray | None = None) -> Callable[[Strands], dict[str, NDArray[Any]]]:
+    """A function that gives the attributes of some strands of the moves: by name, (N,) values, one for every point.
 
     `move` is the number of its move within the layer, counting those that extrude; `speed` is in mm/s, `unsupported`
     in mm; `tone` is what was asked for there, `NO_TONE` where nothing was.
 
     Args:
-        laid: strands of the moves.
         moves: the print.
         tone: (M,) of each row, see `tone_of_moves`.
     """
-    asked = np.full(len(laid.row), NO_TONE) if tone is None else tone[laid.row]
-    return {
-        "move": _number_in_layer(moves)[laid.row],
+    number = _number_in_layer(moves)
+    asked = np.full(len(number), NO_TONE) if tone is None else tone
+    return lambda laid: {
+        "move": number[laid.row],
         "speed": moves.speed[laid.row],
         "unsupported": laid.unsupported,
-        "tone": asked,
+        "tone": asked[laid.row],
     }
 
 

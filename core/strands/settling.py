@@ -38,7 +38,7 @@ def settled(laid: Strands, sag: float) -> Strands:
     wanted = (left == 0) | (_or_next_to(over_air) & ((left % 2 == 0) | _or_next_to(free < dense.width / 2)))
     rows = np.flatnonzero(wanted)
     start = starts(wanted)[dense.start]
-    points, width, free = dense.points[rows], dense.width[rows], free[rows]
+    points, width, free = dense.points.take(rows, axis=0), dense.width[rows], free[rows]
     roundness = _eased(free / (width / 2))
     flat = _steps(points)
     points[:, 2] -= sag_depth(free, sag)
@@ -72,16 +72,13 @@ def _subdivided(laid: Strands) -> tuple[Strands, IntArray]:
     lengths = _steps(laid.points)
     lengths[laid.start[:-1]] = 0.0
     pieces = np.maximum(np.ceil(lengths / _PIECE - _ROUNDING), 1).astype(np.int64)
-    source = np.repeat(np.arange(len(pieces)), pieces)
-    ends = np.cumsum(pieces)
-    left = ends[source] - 1 - np.arange(len(source))
-    points = laid.points[source]
-    new = np.flatnonzero(left)
-    of = source[new]
-    points[new] -= (left[new] / pieces[of])[:, None] * (points[new] - laid.points[of - 1])
-    dense = replace(laid, points=points, start=np.concatenate([[0], ends])[laid.start], width=laid.width[source],
-                    row=laid.row[source])  # fmt: skip
-    return dense, left
+    start = starts(pieces)
+    left = np.repeat(start[1:] - 1, pieces) - np.arange(start[-1])
+    step = np.diff(laid.points, axis=0, prepend=laid.points[:1]) / pieces[:, None]
+    points = np.repeat(laid.points, pieces, axis=0)
+    points -= left[:, None] * np.repeat(step, pieces, axis=0)
+    width, row = np.repeat(laid.width, pieces), np.repeat(laid.row, pieces)
+    return replace(laid, points=points, start=start[laid.start], width=width, row=row), left
 
 
 def _steps(points: FloatArray) -> FloatArray:

@@ -35,9 +35,8 @@ def unsupported_distance(points: FloatArray, start: IntArray, layer: IntArray, w
     free = np.zeros(len(points))
     if not len(layer):
         return free
-    flat = np.ascontiguousarray(points[:, :2])
     level = np.repeat(layer - layer.min(), np.diff(start))
-    lines = _Lines(flat, start, width)
+    lines = _Lines(points, start, width)
     order = None if (np.diff(layer) >= 0).all() else np.argsort(level, kind="stable")
     begin = starts(np.bincount(level))
     cut = np.flatnonzero(np.diff(begin[1:] // _BLOCK_POINTS, prepend=-1))  # the first layer of each block
@@ -55,37 +54,39 @@ def unsupported_distance(points: FloatArray, start: IntArray, layer: IntArray, w
 
 
 class _Lines:
-    """All strands, seen from above."""
+    """All strands, seen from above; an end of a strand is its own neighbor `before` or `after`."""
 
     def __init__(self, points: FloatArray, start: IntArray, width: FloatArray) -> None:
         self.x, self.y = np.ascontiguousarray(points[:, 0]), np.ascontiguousarray(points[:, 1])
         self.width = width
-        step = np.ones(len(points))
-        step[1:] = np.hypot(np.diff(self.x), np.diff(self.y))
+        step, number = np.ones(len(points)), np.arange(len(points))
+        step[1:] = np.sqrt(np.diff(self.x) ** 2 + np.diff(self.y) ** 2)
         step[start[:-1]] = 1.0
         self.arc = np.cumsum(step)  # with a gap between two strands
-        self.is_first = np.zeros(len(points), dtype=bool)
-        self.is_first[start[:-1]] = True
-        self.is_last = np.zeros(len(points), dtype=bool)
-        self.is_last[start[1:] - 1] = True
+        self.before, self.after = number - 1, number + 1
+        self.before[start[:-1]], self.after[start[1:] - 1] = start[:-1], start[1:] - 1
 
     def thinned(self, rows: IntArray, spacing: float) -> IntArray:
         """Of some points the ends of strands, and those between them that are at least about this far apart."""
         cell = (self.arc[rows] / spacing).astype(np.int64)
-        kept = self.is_first[rows] | self.is_last[rows]
+        kept = self.after[rows] - self.before[rows] < 2
         kept[1:] |= cell[1:] != cell[:-1]
         return np.asarray(rows[kept])
 
     def distance(self, query: IntArray, at: IntArray) -> FloatArray:
         """(Q,) mm from each point of `query` to the strand on both sides of the point `at`."""
-        x, y = self.x[at], self.y[at]
-        out_x, out_y = self.x[query] - x, self.y[query] - y
+        x, y = self.x.take(at), self.y.take(at)
+        out_x, out_y = self.x.take(query) - x, self.y.take(query) - y
         squares = []
-        for other in (at - ~self.is_first[at], at + ~self.is_last[at]):
-            way_x, way_y = self.x[other] - x, self.y[other] - y
-            length = np.maximum(way_x * way_x + way_y * way_y, 1e-12)
-            share = np.clip((way_x * out_x + way_y * out_y) / length, 0.0, 1.0)
-            squares.append((out_x - share * way_x) ** 2 + (out_y - share * way_y) ** 2)
+        for other in (self.before.take(at), self.after.take(at)):
+            way_x, way_y = self.x.take(other) - x, self.y.take(other) - y
+            share = way_x * out_x
+            share += way_y * out_y
+            share /= np.maximum(way_x * way_x + way_y * way_y, 1e-12)
+            np.minimum(np.maximum(share, 0.0, out=share), 1.0, out=share)
+            way_x *= share
+            way_y *= share
+            squares.append((out_x - way_x) ** 2 + (out_y - way_y) ** 2)
         return np.asarray(np.sqrt(np.minimum(*squares)))
 
 
@@ -126,8 +127,9 @@ class _Cells:
         key = self._key(x, y, level)
         self._order = np.argsort(key, kind="stable")
         counts = np.bincount(key, minlength=self._columns * self._rows * (int(level.max()) - self._level + 1))
-        self._begin = starts(counts)
-        self._x, self._y = ((values[self._order]).astype(np.float32) for values in (x, y))
+        self._begin = np.zeros(len(counts) + 1, dtype=np.int32)  # there are many more cells than points
+        np.cumsum(counts, out=self._begin[1:])
+        self._x, self._y = (values.take(self._order).astype(np.float32) for values in (x, y))
 
     def _key(self, x: FloatArray, y: FloatArray, level: IntArray) -> IntArray:
         column, row = (
@@ -143,18 +145,26 @@ class _Cells:
         first, count = (np.empty((len(x), 2 * rings + 1), dtype=np.int64) for _ in range(2))
         several = np.zeros(len(x), dtype=np.int64)
         for number in range(2 * rings + 1):
-            row = key + self._columns * (number - rings)
-            first[:, number] = self._begin[row - rings]
-            count[:, number] = self._begin[row + rings + 1] - first[:, number]
-            several += count[:, number]
+            row = key + (self._columns * (number - rings) - rings)
+            begin = self._begin.take(row)
+            row += 2 * rings + 1
+            held = self._begin.take(row) - begin
+            first[:, number], count[:, number] = begin, held
+            several += held
         some = np.flatnonzero(several)
         if not len(some):
             return nearest
         found = ranges(first.ravel(), count.ravel())
-        dx = self._x[found] - np.repeat(x.astype(np.float32), several)
-        dy = self._y[found] - np.repeat(y.astype(np.float32), several)
+        square = np.zeros(len(found), dtype=np.float32)
+        for own, values in ((self._x, x), (self._y, y)):
+            away = own.take(found)
+            away -= np.repeat(values.astype(np.float32), several)
+            away *= away
+            square += away
         # A positive float's bits sort as the float does: square and place in one number, so that one pass finds both.
-        packed = (dx * dx + dy * dy).view(np.int32).astype(np.int64) << 32 | found
+        packed = square.view(np.int32).astype(np.int64)
+        packed <<= 32
+        packed |= found
         group = (np.cumsum(several) - several)[some]
         nearest[some] = self._order[np.minimum.reduceat(packed, group) & _LOW_BITS]
         return nearest

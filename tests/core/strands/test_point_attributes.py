@@ -20,7 +20,7 @@ def printed(request):
 def test_moves_are_numbered_within_their_layer(printed):
     moves = printed.moves
     laid = strands(moves)
-    number = point_attributes(laid, moves)["move"]
+    number = point_attributes(moves)(laid)["move"]
     level = np.repeat(laid.layer, np.diff(laid.start))
     for layer, count in enumerate(moves_of_layers(moves)):
         assert count == np.count_nonzero(moves.extrudes & (moves.layer == layer))
@@ -32,7 +32,7 @@ def test_moves_are_numbered_within_their_layer(printed):
 def test_points_have_the_speed_of_their_move(printed):
     moves = printed.moves
     laid = settled(strands(moves), 0.3)
-    speed = point_attributes(laid, moves)["speed"]
+    speed = point_attributes(moves)(laid)["speed"]
     skin = np.repeat(laid.feature == Feature.SKIN, np.diff(laid.start))
     expected = moves.speed[(moves.feature == Feature.SKIN) & moves.extrudes]
     assert set(np.unique(speed[skin])) <= set(np.unique(expected))
@@ -58,6 +58,6 @@ def test_each_place_has_its_own_tone(printed):
 
 def test_unsupported_distance_is_that_of_the_settled_strands(printed):
     laid = settled(strands(printed.moves), 0.3)
-    found = point_attributes(laid, printed.moves)
+    found = point_attributes(printed.moves)(laid)
     np.testing.assert_array_equal(found["unsupported"], laid.unsupported)
     assert (found["tone"] == NO_TONE).all()
