@@ -25,3 +25,10 @@ def corner_vertices(mesh: bpy.types.Mesh) -> IntArray:
 def in_world(points: FloatArray | Float32Array, matrix: FloatArray) -> FloatArray:
     """(N, 3) points of an object with this matrix (4, 4), where they are in the world, in scene units."""
     return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def layer_uv(layer: bpy.types.MeshUVLoopLayer) -> FloatArray:
+    """(C, 2) of each corner."""
+    uv = np.empty(len(layer.uv) * 2, dtype=np.float32)
+    layer.uv.foreach_get("vector", uv)
+    return uv.reshape(-1, 2).astype(np.float64)

@@ -23,6 +23,7 @@ _SPELLED = {"Xy": "XY", "Dont": "Don't", "Toolchange": "Tool Change"}
 _TITLES = {declared.name: declared.name.replace("_", " ").title().split() for declared in fields(PrintSettings)}
 _LABELS = {name: " ".join(_SPELLED.get(word, word) for word in words) for name, words in _TITLES.items()}
 _NAMES = re.compile(rf"\b({'|'.join(name for name in _LABELS if '_' in name)})\b")
+_WORD = re.compile(r"[a-z]+,? ")
 _SEARCHED = {"seam_visibility": visibility_names}
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 """An object of another file that is overridden in this one has settings of its own."""
@@ -40,6 +41,13 @@ def label_of(declared: Field[Any]) -> str:
 def with_labels(sentence: str) -> str:
     """A sentence of the core with settings as Blender shows them: "Brim Width" instead of "brim_width"."""
     return _NAMES.sub(lambda found: _LABELS[found[0]], sentence)
+
+
+def as_shown(sentence: str) -> str:
+    """A sentence of the core as Blender shows it: settings named as there, a capital in front unless it is a name."""
+    shown = with_labels(sentence)
+    named = not _WORD.match(shown) or any(shown.startswith(f"{obj.name} ") for obj in bpy.data.objects)
+    return shown if named else shown[0].upper() + shown[1:]
 
 
 def property_of(declared: Field[Any]) -> Any:

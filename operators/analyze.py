@@ -6,7 +6,7 @@ import bpy
 
 from ..bridge.analysis.orientations import keep_orientations
 from ..bridge.analysis.overlays import overlays_of, remove_analysis, show_analysis
-from ..bridge.properties import with_labels
+from ..bridge.properties import as_shown
 from ..bridge.strands.preview import source_of
 from ..core.analysis.analysis import analysis_steps
 from .generate import active_model
@@ -35,7 +35,7 @@ class DUALCOLOR_OT_analyze(JobOperator, bpy.types.Operator):
         show_in_local_views(context, obj, show_analysis(found, obj))
         keep_orientations(obj, found.orientations)
         for warning in found.warnings:
-            self.report({"WARNING"}, with_labels(warning))
+            self.report({"WARNING"}, as_shown(warning))
         pattern = found.report["pattern"]
         return f"{obj.name}: {pattern['salient']:.2%} salient seams" if pattern else f"{obj.name}: no waves, no seams"
 

@@ -1,11 +1,13 @@
-"""Set Up Painting, Gray from Color Image, and Bake Ambient Occlusion."""
+"""Set Up Painting, Gray from Color Image, Bake Material, and Bake Ambient Occlusion."""
 
 from __future__ import annotations
 
 import bpy
 
 from ..bridge.input.image_input import image_size
+from ..bridge.input.printed_materials import printed_materials
 from ..bridge.paint.ambient_occlusion import DISTANCE_MM, SAMPLES, darkened, occlusion_steps
+from ..bridge.paint.material_bake import material_bake_steps
 from ..bridge.paint.painting import (
     exchange_picture,
     give_picture,
@@ -107,6 +109,33 @@ class DUALCOLOR_OT_gray_from_color(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class DUALCOLOR_OT_bake_material(JobOperator, bpy.types.Operator):
+    """Make a picture of what the materials show, with all that their nodes do, and print that; the materials stay"""
+
+    bl_idname = "dualcolor.bake_material"
+    bl_label = "Bake Material"
+    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012  (Blender reads the class)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """A mesh with a material is needed."""
+        if not has_own_mesh(cls, context):
+            return False
+        if not any(printed_materials(context.object)):
+            cls.poll_message_set("Give the object a material first")
+            return False
+        return True
+
+    def steps(self, context: bpy.types.Context) -> Steps:
+        """Bake, then print the picture."""
+        obj = context.object
+        job = material_bake_steps(obj, obj.dualcolor.layer_height / 2, obj.dualcolor.background_tone)
+        made, note = yield from translated(job, lambda share: (share, "baking the material"))
+        obj.dualcolor.image = made
+        self.outcome = "WARNING" if note else "INFO"
+        return f"Printing {made.name}; {note}" if note else f"Printing {made.name}"
+
+
 class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
     """Darken the hollows: multiply the picture by ambient occlusion, or make a picture of it; the old one is kept"""
 
@@ -157,4 +186,9 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         return f"Printing {made.name}"
 
 
-OPERATORS = (DUALCOLOR_OT_set_up_painting, DUALCOLOR_OT_gray_from_color, DUALCOLOR_OT_bake_occlusion)
+OPERATORS = (
+    DUALCOLOR_OT_set_up_painting,
+    DUALCOLOR_OT_gray_from_color,
+    DUALCOLOR_OT_bake_material,
+    DUALCOLOR_OT_bake_occlusion,
+)

@@ -11,6 +11,7 @@ from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3
 from ..operators.generate import DUALCOLOR_OT_generate
 from ..operators.orientation import DUALCOLOR_OT_suggest_orientation
 from ..operators.painting import (
+    DUALCOLOR_OT_bake_material,
     DUALCOLOR_OT_bake_occlusion,
     DUALCOLOR_OT_gray_from_color,
     DUALCOLOR_OT_set_up_painting,
@@ -38,6 +39,7 @@ ENTRIES = (
         DUALCOLOR_OT_unwrap_smart,
         DUALCOLOR_OT_set_up_painting,
         DUALCOLOR_OT_gray_from_color,
+        DUALCOLOR_OT_bake_material,
         DUALCOLOR_OT_bake_occlusion,
         DUALCOLOR_OT_soft_proof,
     ),

@@ -9,6 +9,7 @@ from ..bridge.proof.proof_views import WITHOUT_MATERIALS
 from ..bridge.proof.soft_proof import is_proofed, proof_notes
 from ..bridge.strands.preview import source_of
 from ..operators.painting import (
+    DUALCOLOR_OT_bake_material,
     DUALCOLOR_OT_bake_occlusion,
     DUALCOLOR_OT_gray_from_color,
     DUALCOLOR_OT_set_up_painting,
@@ -37,8 +38,9 @@ class DUALCOLOR_PT_paint(ObjectPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.operator(DUALCOLOR_OT_set_up_painting.bl_idname, icon="TPAINT_HLT")
         column.operator(DUALCOLOR_OT_gray_from_color.bl_idname, icon="IMAGE_DATA")
+        column.operator(DUALCOLOR_OT_bake_material.bl_idname, icon="MATERIAL")
         column.operator(DUALCOLOR_OT_bake_occlusion.bl_idname, icon="SHADING_RENDERED")
-        draw_progress(layout, DUALCOLOR_OT_bake_occlusion)
+        draw_progress(layout, DUALCOLOR_OT_bake_material, DUALCOLOR_OT_bake_occlusion)
         _draw_soft_proof(layout, context, obj)
         for hint in hints(obj, context.object):
             draw_sentence(layout, context, hint, "INFO")
@@ -82,4 +84,4 @@ def hints(obj: bpy.types.Object, active: bpy.types.Object | None = None) -> list
     elif not obj.dualcolor.image:
         found.append(f"Prints the material's image {picture.name}")
     note = paint_note(obj)
-    return [*found, note[0].upper() + note[1:]] if note else found
+    return [*found, note] if note else found

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import bpy
 
+from ..bridge.input.base_color import BAKE_HINT
 from ..bridge.properties import report_of
 from ..bridge.strands.preview import source_of
 from ..core.settings.printer import printer_profile
 from ..operators.export import DUALCOLOR_OT_export_gcode, DUALCOLOR_OT_export_x3g
 from ..operators.generate import DUALCOLOR_OT_generate
+from ..operators.painting import DUALCOLOR_OT_bake_material
 from .results import figures
 from .rows import draw_figures, draw_outdated, draw_progress, draw_sentence, draw_settings, fitting
 from .sections import PRINT
@@ -61,6 +63,8 @@ class DUALCOLOR_PT_results(ObjectPanel, bpy.types.Panel):
         draw_figures(layout, figures(report), factor=0.4)
         for warning in report["warnings"]:
             draw_sentence(layout, context, warning)
+        if BAKE_HINT in " ".join(report["warnings"]):
+            layout.operator(DUALCOLOR_OT_bake_material.bl_idname, icon="MATERIAL")
 
 
 PANELS = (DUALCOLOR_PT_print, DUALCOLOR_PT_results)

@@ -8,7 +8,7 @@ from typing import Any
 
 import bpy
 
-from ..bridge.properties import values_of, with_labels
+from ..bridge.properties import as_shown, values_of
 from ..operators.job import JobOperator
 from .in_use import in_use
 from .sections import Section
@@ -40,7 +40,7 @@ def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, text: 
     column = layout.column(align=True)
     column.scale_y = 0.8
     width, scale = context.region.width, context.preferences.system.ui_scale
-    for number, line in enumerate(wrapped(with_labels(text), width, scale)):
+    for number, line in enumerate(wrapped(as_shown(text), width, scale)):
         column.label(text=line, icon="BLANK1" if number else icon, translate=False)
 
 

@@ -11,7 +11,7 @@ from ...core.records import dataclass
 Groups = tuple[bpy.types.Node, ...]
 COLOR_INPUT = {"BSDF_PRINCIPLED": "Base Color", "BSDF_DIFFUSE": "Color", "EMISSION": "Color"}
 _ATTRIBUTES = {"VERTEX_COLOR": "layer_name", "ATTRIBUTE": "attribute_name"}
-_BAKE_HINT = "to print what is seen, bake it into an image (Cycles: Render Properties > Bake), and choose that"
+BAKE_HINT = "bake it to print what is seen (Paint > Bake Material)"
 _HARMLESS = ("REROUTE", "RGBTOBW")  # what prints is gray anyway
 
 
@@ -60,11 +60,9 @@ def base_color(material: bpy.types.Material | None) -> BaseColor:
     """
     if material is None:
         return BaseColor()
-    without_nodes = bpy.app.version < (5, 0) and not material.use_nodes
-    tree = None if without_nodes else material.node_tree
-    output = tree.get_output_node("ALL") if tree else None
-    if output is None:
+    if not has_nodes(material):
         return BaseColor(color=tuple(material.diffuse_color))
+    output = material.node_tree.get_output_node("ALL")
     plain = BaseColor()
     for found in _upstream(output.inputs["Surface"], ()):
         if found.node.type == "TEX_IMAGE" and found.node.image:
@@ -75,6 +73,12 @@ def base_color(material: bpy.types.Material | None) -> BaseColor:
                 return color
             plain = plain if plain.color else color
     return plain
+
+
+def has_nodes(material: bpy.types.Material) -> bool:
+    """Whether it is nodes that say what a material looks like."""
+    without = material.node_tree is None or (bpy.app.version < (5, 0) and not material.use_nodes)
+    return not without and material.node_tree.get_output_node("ALL") is not None
 
 
 def chosen_color(colors: list[BaseColor], image: bpy.types.Image, mesh: bpy.types.Mesh) -> BaseColor:
@@ -93,9 +97,9 @@ def ignored_note(color: BaseColor) -> str:
         return ""
     nodes = " and ".join(color.ignored)
     if not color.image and not color.attribute:
-        return f"the material's color is made by {nodes}, which does not print: {_BAKE_HINT}"
+        return f"the material's color is made by {nodes}, which does not print: {BAKE_HINT}"
     paint = f"image {color.image.name}" if color.image else f"color attribute {color.attribute}"
-    return f"the material changes the {paint} by {nodes}, but it prints as it is: {_BAKE_HINT}"
+    return f"the material changes the {paint} by {nodes}, but it prints as it is: {BAKE_HINT}"
 
 
 def picture_layer(color: BaseColor, mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:

@@ -14,7 +14,7 @@ from ...core.model import BoolArray, FloatArray, IntArray, SurfaceModel, ToneIma
 from ...core.records import dataclass
 from ...core.settings import PrintSettings
 from ...core.texture.decode import color_tone
-from ..mesh_data import corner_vertices, in_world, positions
+from ..mesh_data import corner_vertices, in_world, layer_uv, positions
 from ..units import mm_per_unit
 from .base_color import BaseColor, base_color, chosen_color, ignored_note, picture_layer
 from .image_input import image_tone
@@ -207,19 +207,13 @@ def _corner_uv(
             raise TextureError(f"{name} has no UV map for the image {pictured.name}", UNWRAP_HINT)
         return None
     active = mesh.uv_layers.active
-    uv = _layer_uv(active)
+    uv = layer_uv(active)
     for number, color in enumerate(colors):
         layer = picture_layer(color, mesh)
         if color.image and layer.name != active.name:
             chosen = slot[corners.polygon] == number
-            uv[chosen] = _layer_uv(layer)[chosen]
+            uv[chosen] = layer_uv(layer)[chosen]
     return uv
-
-
-def _layer_uv(layer: bpy.types.MeshUVLoopLayer) -> FloatArray:
-    uv = np.empty(len(layer.uv) * 2, dtype=np.float32)
-    layer.uv.foreach_get("vector", uv)
-    return uv.reshape(-1, 2).astype(np.float64)
 
 
 def _corner_tone(

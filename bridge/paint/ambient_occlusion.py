@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from collections.abc import Generator
 
 import bmesh
 import bpy
@@ -18,13 +17,13 @@ from ..input.image_input import image_pixels, is_encoded
 from ..input.mesh_input import NO_FACES_HINT
 from ..materials import new_material
 from ..units import mm_per_unit
+from .bake_scene import bake, bake_into, bake_light, bake_scene, bake_target
 
 SAMPLES = 20
 DISTANCE_MM = 25.0
 _NAME = "Ambient occlusion"  # of all that is made for it
 _ATTRIBUTE = "Occlusion"
 _LEAST_VERTICES = 5_000  # coarser meshes are cut finer: occlusion is found at vertices, which is quick
-_MARGIN = 8
 
 
 def occlusion_steps(
@@ -53,18 +52,22 @@ def occlusion_steps(
         MeshError: there are no faces.
         TextureError: there is no UV map.
     """
-    with _set_up(obj, size, distance_mm) as (scene, copy, image):
-        if uv_map in copy.data.uv_layers:
-            copy.data.uv_layers[uv_map].active = True
-        yield 0.1
-        scene.cycles.samples = samples
-        _bake(scene, copy, type="AO", target="VERTEX_COLORS")
-        yield 0.7
-        scene.cycles.samples = 1
-        _bake(scene, copy, type="EMIT", margin=_MARGIN, margin_type="EXTEND", use_clear=False)
-        pixels = np.empty(size[0] * size[1] * 4, dtype=np.float32)
-        image.pixels.foreach_get(pixels)
-        return np.clip(pixels.reshape(size[1], size[0], 4)[..., 0], 0.0, 1.0)
+    copy, unit = _fine_copy(obj), mm_per_unit(bpy.context.scene)
+    with bake_scene(copy) as scene, bake_target(size, 1.0) as image:
+        if not copy.data.uv_layers:
+            raise TextureError(f"{obj.name} has no UV map", "unwrap it first")
+        scene.world.light_settings.distance = distance_mm / unit
+        material = _dress(copy)
+        try:
+            bake_into(material, image)
+            yield 0.1
+            scene.cycles.samples = samples
+            bake(scene, copy, type="AO", target="VERTEX_COLORS")
+            yield 0.7
+            bake_light(scene, copy, uv_map)
+        finally:
+            bpy.data.materials.remove(material)
+        return np.clip(image_pixels(image)[..., 0], 0.0, 1.0)
 
 
 def occlusion(
@@ -101,35 +104,6 @@ def darkened(image: bpy.types.Image, shade: Float32Array, strength: float) -> bp
     return made
 
 
-@contextmanager
-def _set_up(
-    obj: bpy.types.Object, size: tuple[int, int], distance_mm: float
-) -> Iterator[tuple[bpy.types.Scene, bpy.types.Object, bpy.types.Image]]:
-    """A scene with only a copy of the object, and the picture that it bakes into; both are removed afterwards."""
-    copy, unit = _fine_copy(obj), mm_per_unit(bpy.context.scene)
-    scene, world = bpy.data.scenes.new(_NAME), bpy.data.worlds.new(_NAME)
-    material = new_material(_NAME)
-    image = bpy.data.images.new(_NAME, *size, float_buffer=True, is_data=True)
-    image.generated_color = (1.0, 1.0, 1.0, 1.0)  # between the charts
-    try:
-        if not copy.data.uv_layers:
-            raise TextureError(f"{obj.name} has no UV map", "unwrap it first")
-        scene.collection.objects.link(copy)
-        scene.world = world
-        world.light_settings.distance = distance_mm / unit
-        scene.render.engine = "CYCLES"
-        _dress(copy, material, image)
-        yield scene, copy, image
-    finally:
-        mesh = copy.data
-        bpy.data.objects.remove(copy)
-        bpy.data.scenes.remove(scene)
-        bpy.data.meshes.remove(mesh)
-        bpy.data.materials.remove(material)
-        bpy.data.images.remove(image)
-        bpy.data.worlds.remove(world)
-
-
 def _fine_copy(obj: bpy.types.Object) -> bpy.types.Object:
     """The object as it is printed, without materials, cut finer if it has few vertices; in no scene.
 
@@ -156,30 +130,18 @@ def _fine_copy(obj: bpy.types.Object) -> bpy.types.Object:
     return copy
 
 
-def _dress(copy: bpy.types.Object, material: bpy.types.Material, image: bpy.types.Image) -> None:
-    """A material that shines by the attribute that occlusion is baked to, and bakes into the image."""
+def _dress(copy: bpy.types.Object) -> bpy.types.Material:
+    """Give the copy a material that shines by the attribute that occlusion is baked to."""
     attribute = copy.data.color_attributes.new(_ATTRIBUTE, "FLOAT_COLOR", "POINT")
     copy.data.color_attributes.active_color = attribute
+    material = new_material(_NAME)
     tree = material.node_tree
     tree.nodes.clear()
-    color, emission, output, target = (
-        tree.nodes.new(f"ShaderNode{kind}") for kind in ("VertexColor", "Emission", "OutputMaterial", "TexImage")
+    color, emission, output = (
+        tree.nodes.new(f"ShaderNode{kind}") for kind in ("VertexColor", "Emission", "OutputMaterial")
     )
     color.layer_name = _ATTRIBUTE
-    target.image = image
     tree.links.new(color.outputs["Color"], emission.inputs["Color"])
     tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
-    tree.nodes.active = target
     copy.data.materials.append(material)
-
-
-def _bake(scene: bpy.types.Scene, copy: bpy.types.Object, **options: object) -> None:
-    layer = scene.view_layers[0]
-    layer.objects.active = copy
-    copy.select_set(True, view_layer=layer)
-    layer.update()
-    with bpy.context.temp_override(
-        scene=scene, view_layer=layer, object=copy, active_object=copy, selected_objects=[copy],
-        selected_editable_objects=[copy],
-    ):  # fmt: skip
-        bpy.ops.object.bake(**options)
+    return material

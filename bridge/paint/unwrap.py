@@ -7,9 +7,11 @@ from collections.abc import Generator
 
 import bmesh
 import bpy
+import numpy as np
 
 from ...core.errors import MeshError
 from ...core.mesh.unwrapping import ChartOptions, PackOptions, unwrapping
+from ...core.model import FloatArray
 from ..mesh_data import corner_vertices, positions
 from ..units import mm_per_unit
 
@@ -52,7 +54,7 @@ def unwrap_steps(obj: bpy.types.Object, chart: ChartOptions, pack: PackOptions) 
             polygons, or xatlas cannot unwrap it.
         PrintError: xatlas is not installed.
     """
-    _check(obj)
+    check_unwrappable(obj)
     if any(modifier.type == "MULTIRES" for modifier in obj.modifiers):
         raise MeshError(
             f"{obj.name} has the modifier Multiresolution, whose detail would be lost with its polygons",
@@ -77,7 +79,7 @@ def smart_project(obj: bpy.types.Object) -> None:
     Raises:
         MeshError: the object is no mesh, has no faces, or no room for another UV map.
     """
-    _check(obj)
+    check_unwrappable(obj)
     _new_layer(obj.data)
     side_mm = math.sqrt(sum(face.area for face in obj.data.polygons) / _FILLED) * _scale(obj)
     margin = min(GAP_MM / 2 / side_mm, _WIDEST) if side_mm > 0 else 0.0
@@ -87,13 +89,19 @@ def smart_project(obj: bpy.types.Object) -> None:
     layer.objects.active = obj
     former = obj.mode
     bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.reveal(select=False)
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.uv.smart_project(angle_limit=math.radians(66.0), margin_method="FRACTION", island_margin=margin)
+    with bpy.context.temp_override(edit_object=obj):  # which Blender takes from the window, not from another scene
+        bpy.ops.mesh.reveal(select=False)
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.uv.smart_project(angle_limit=math.radians(66.0), margin_method="FRACTION", island_margin=margin)
     bpy.ops.object.mode_set(mode=former)
 
 
-def _check(obj: bpy.types.Object) -> None:
+def check_unwrappable(obj: bpy.types.Object) -> None:
+    """Check that a UV map can be added.
+
+    Raises:
+        MeshError: the object is no mesh, has no faces, or no room for another UV map.
+    """
     if obj.type != "MESH" or not len(obj.data.polygons):
         raise MeshError(f"{obj.name} has no faces to unwrap", "choose a mesh object")
     if len(obj.data.uv_layers) >= _MOST_UV_MAPS:
@@ -103,6 +111,23 @@ def _check(obj: bpy.types.Object) -> None:
 def _scale(obj: bpy.types.Object) -> float:
     """Millimeters in one of the object's own units, on average over its axes."""
     return abs(obj.matrix_world.to_3x3().determinant()) ** (1 / 3) * mm_per_unit(bpy.context.scene) or 1.0
+
+
+def add_uv_map(obj: bpy.types.Object, uv: FloatArray) -> None:
+    """Give a mesh object a new, active UV map, which is not the one to render.
+
+    Args:
+        obj: not in Edit Mode.
+        uv: (C, 2) of each corner.
+
+    Raises:
+        MeshError: the object is being edited, or was.
+    """
+    if obj.data.is_editmode or len(obj.data.loops) != len(uv):
+        raise MeshError(f"{obj.name} was changed while it was worked on", "leave Edit Mode, and start again")
+    layer = obj.data.uv_layers.new(name=UV_LAYER, do_init=False)
+    layer.uv.foreach_set("vector", uv.astype(np.float32).ravel())
+    layer.active = True
 
 
 def _new_layer(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer:

@@ -59,7 +59,7 @@ def test_a_missing_picture_is_said_before_anything_is_made_of_it():
     with pytest.raises(TextureError, match="the image lost has no pixels"):
         image_tone(image)
     for operator in (bpy.ops.dualcolor.bake_occlusion, bpy.ops.dualcolor.gray_from_color, bpy.ops.dualcolor.generate):
-        with pytest.raises(RuntimeError, match="the image lost has no pixels"):
+        with pytest.raises(RuntimeError, match="The image lost has no pixels"):
             operator()
 
 

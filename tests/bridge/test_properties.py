@@ -29,6 +29,14 @@ def test_sentences_name_settings_as_the_sidebar_does():
     assert properties.label_of(PrintSettings.__dataclass_fields__["brim_width"]) == properties.with_labels("brim_width")
 
 
+def test_sentences_begin_with_a_capital_unless_with_a_name(scene):
+    bpy.data.objects.new("cat", None)
+    assert properties.as_shown("the cat is open") == "The cat is open"
+    assert properties.as_shown("brim_width is 0") == "Brim Width is 0"
+    for said in ("cat has no faces", "odd.json is not JSON", "3 walls hang", ""):
+        assert properties.as_shown(said) == said
+
+
 def test_defaults_are_those_of_the_core(group):
     assert properties.to_settings(group) == PrintSettings()
 

@@ -104,7 +104,7 @@ def test_applying_changes_only_what_the_preset_names(block):
     assert (settings.layer_height, settings.pattern, settings.perimeters) == (0.2, "wave", 3)
     assert menus(block)["DUALCOLOR_MT_quality_presets"] == "Fine, 0.2 mm"
     assert [e.name for e in entries("quality", block) if e.icon == "CHECKMARK"] == ["fine"]
-    with pytest.raises(RuntimeError, match="there is no preset named 'none such'"):
+    with pytest.raises(RuntimeError, match="There is no preset named 'none such'"):
         bpy.ops.dualcolor.apply_preset(name="none such")
 
 
@@ -172,7 +172,7 @@ def test_settings_go_through_a_file(block, tmp_path):
     with pytest.raises(RuntimeError, match=r"missing\.json cannot be read"):
         bpy.ops.dualcolor.import_settings(filepath=str(tmp_path / "missing.json"))
     path.write_text('{"layer_hight": 0.2}')
-    with pytest.raises(RuntimeError, match="there is no setting named layer_hight"):
+    with pytest.raises(RuntimeError, match="There is no setting named layer_hight"):
         bpy.ops.dualcolor.import_settings(filepath=str(path))
     assert to_settings(block.dualcolor) == wanted
 
