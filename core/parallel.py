@@ -94,14 +94,14 @@ def begun(function: Callable[[Part], Result], parts: Iterable[Part]) -> Iterator
 
 
 def even_runs(size: IntArray) -> list[slice]:
-    """Runs of N rows that are as much work each, one for each thread; none where there are no rows.
+    """Runs of N rows that are as much work each, two for each thread; none where there are no rows.
 
     Args:
         size: (N,) how much work each row is.
     """
-    threads = max(min(_THREADS, len(size) // _LEAST_SHAPES), 1)
+    count = max(min(2 * _THREADS, len(size) // _LEAST_SHAPES), 1)
     before = np.concatenate([[0], np.cumsum(size)])
-    runs = runs_of_layers(np.arange(len(size)), before, int(before[-1]) // threads + 1)
+    runs = runs_of_layers(np.arange(len(size)), before, int(before[-1]) // count + 1)
     return [slice(*run) for run in runs]
 
 

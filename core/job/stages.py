@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import sys
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from types import TracebackType
@@ -18,6 +19,7 @@ from .stage_cache import NoCache, StageCache
 Result = TypeVar("Result")
 
 _KEPT_BYTES = 1 << 23
+_TURN_S = 2e-4  # about ten calls of numpy
 
 
 class Stages:
@@ -43,9 +45,13 @@ class Stages:
         self.compare_layers, self.run_layers = self._cache.compare_layers, self._cache.run_layers
 
     def __enter__(self) -> Stages:
-        """The stages themselves; until they end, Python does not look for cycles of objects: a job leaves none."""
-        self._collects = gc.isenabled()
+        """The stages themselves; until they end, Python does not look for cycles of objects: a job leaves none.
+
+        Threads pass the interpreter on sooner, too: short steps of one would keep the other waiting.
+        """
+        self._collects, self._turn_s = gc.isenabled(), sys.getswitchinterval()
         gc.disable()
+        sys.setswitchinterval(_TURN_S)
         return self
 
     def __exit__(
@@ -53,6 +59,7 @@ class Stages:
     ) -> None:
         """Wait for the work beside the stages."""
         self._beside.shutdown()
+        sys.setswitchinterval(self._turn_s)
         if self._collects:
             gc.enable()
 

@@ -13,7 +13,7 @@ def test_runs_hold_all_rows_in_order_and_as_much_work_each(monkeypatch):
     runs = parallel.even_runs(size)
     assert np.array_equal(np.concatenate([np.arange(len(size))[run] for run in runs]), np.arange(len(size)))
     work = [size[run].sum() for run in runs]
-    assert len(work) == 4 and max(work) - min(work) < 2 * size.max()
+    assert len(work) == 8 and max(work) - min(work) < 2 * size.max()
 
 
 def test_few_rows_are_one_run_and_no_rows_none():
