@@ -99,10 +99,7 @@ def picture_plate(
     # The sides continue the picture's edges around the corners, where these would fade otherwise.
     u = np.array([[0.0, 1.0], [1.0, 1.0], [np.nan, np.nan], [0.0, 0.0]])
     wall, uv, pictured = _wall(rings, ladder.v, u)
-    bottom, top = np.arange(4)[::-1], np.arange(4) + 4 * (len(ladder.z) - 1)
-    polygons = [*wall, bottom, top]
-    uvs = np.concatenate([uv.reshape(-1, 2), np.zeros((8, 2))])
-    return _shape(rings, polygons, uvs, np.append(pictured, [False, False]), columns, ladder, border)
+    return _shape(rings, wall, _ends(rings), uv, pictured, columns, ladder, border)
 
 
 def picture_tube(
@@ -135,23 +132,13 @@ def picture_tube(
     outer = _circles(radius, ladder.z, facets)
     turn = np.arange(facets + 1) / facets
     shown, uv, pictured = _wall(outer, ladder.v, np.stack([turn[:-1], turn[1:]], axis=1))
-    first_top = (len(ladder.z) - 1) * facets
     if wall is None:
-        polygons = [*shown, np.arange(facets)[::-1], first_top + np.arange(facets)]
-        rings, plain = outer, 2 * facets
+        rings, plain = outer, _ends(outer)
     else:
         inner = _circles(radius - wall, ladder.z, facets)
-        back, _, _ = _wall(inner, ladder.v, np.full((facets, 2), np.nan))
-        base = outer.size // 3
-        ends = [_annulus(base, 0, facets), _annulus(first_top, base + first_top, facets)]
-        polygons = [*shown, *(base + back[:, ::-1]), *ends[0], *ends[1]]
-        rings = np.concatenate([outer, inner])
-        plain = 4 * (len(back) + 2 * facets)
-    uvs = np.concatenate([uv.reshape(-1, 2), np.zeros((plain, 2))])
-    marks = np.zeros(len(polygons), dtype=bool)
-    marks[: len(pictured)] = pictured
+        rings, plain = np.concatenate([outer, inner]), _inside_and_rims(outer)
     columns = max(round(around / (2 * settings.layer_height)), 1)
-    return _shape(rings, polygons, uvs, marks, columns, ladder, 0, around)
+    return _shape(rings, shown, plain, uv, pictured, columns, ladder, 0, around)
 
 
 def fitted(image: ToneImage, shape: PictureShape, *, auto_contrast: bool = False, frame_tone: float = 1.0) -> ToneImage:
@@ -232,6 +219,21 @@ def _wall(rings: FloatArray, v: FloatArray, u: FloatArray) -> tuple[IntArray, Fl
     return corners, np.where(pictured[:, None, None], np.stack([across, up], axis=2), 0.0), pictured
 
 
+def _ends(rings: FloatArray) -> list[IntArray]:
+    """Bottom and top of a solid between rings (L, K, 3)."""
+    levels, sides = rings.shape[:2]
+    return [np.arange(sides)[::-1], np.arange(sides) + sides * (levels - 1)]
+
+
+def _inside_and_rims(outer: FloatArray) -> list[IntArray]:
+    """Quadrilaterals that close a shell, whose inner rings (L, K, 3) come after the outer ones."""
+    levels, sides = outer.shape[:2]
+    inner, top = levels * sides, (levels - 1) * sides
+    inside, _, _ = _wall(outer, np.zeros(levels), np.full((sides, 2), np.nan))
+    rims = _annulus(inner, 0, sides), _annulus(top, inner + top, sides)
+    return [*(inner + inside[:, ::-1]), *rims[0], *rims[1]]
+
+
 def _annulus(outer: int, inner: int, count: int) -> IntArray:
     """(count, 4) quadrilaterals between two circles of vertices that start at these numbers, seen from above."""
     here = np.arange(count)
@@ -241,7 +243,8 @@ def _annulus(outer: int, inner: int, count: int) -> IntArray:
 
 def _shape(
     rings: FloatArray,
-    polygons: list[IntArray],
+    wall: IntArray,
+    plain: list[IntArray],
     uv: FloatArray,
     pictured: BoolArray,
     columns: int,
@@ -249,13 +252,15 @@ def _shape(
     frame: int,
     width: float | None = None,
 ) -> PictureShape:
-    vertices = rings.reshape(-1, 3)
+    """The shape of rings (L, K, 3): quadrilaterals (Q, 4) with UVs (Q, 4, 2), (Q,) whether pictured, and plain rest."""
+    vertices, polygons = rings.reshape(-1, 3), [*wall, *plain]
+    without_uv = np.zeros((sum(map(len, plain)), 2))
     return PictureShape(
         vertices=np.ascontiguousarray(vertices),
         polygon_start=starts(np.array([len(polygon) for polygon in polygons])),
         corner_vertex=np.concatenate(polygons).astype(np.int64),
-        corner_uv=uv,
-        has_picture=pictured,
+        corner_uv=np.concatenate([uv.reshape(-1, 2), without_uv]),
+        has_picture=np.append(pictured, np.zeros(len(plain), dtype=bool)),
         columns=columns,
         rows=ladder.rows,
         frame=frame,
