@@ -87,6 +87,14 @@ def test_a_painted_plate_that_lies_is_put_upright():
     assert standing[0].up == (0.0, 0.0, 1.0)
 
 
+@pytest.mark.parametrize(("degrees", "shown"), [(15.0, 0.0), (22.5, 0.25), (25.0, 0.5), (29.0, 0.9), (40.0, 1.0)])
+def test_between_20_and_30_degrees_from_flat_contrast_shows_in_part(degrees, shown):
+    checks = np.indices((4, 4)).sum(axis=0) % 2.0
+    found = suggested(*contrast_of(plate(checks, about_x(degrees))), WAVE)
+    (present,) = [one for one in found if one.up == (0.0, 0.0, 1.0)]
+    assert present.contrast == pytest.approx(shown, abs=1e-6)
+
+
 def test_what_is_painted_evenly_lies_on_its_largest_face():
     found = suggested(*contrast_of(box((0, 0, 0), (40, 4, 40))), WAVE)
     assert np.abs(found[0].up[1]) == pytest.approx(1.0)
