@@ -56,6 +56,14 @@ def test_each_place_has_its_own_tone(printed):
     assert (away < 1e-9).mean() > 0.95 and away.max() < 1.0
 
 
+def test_walls_above_all_outlines_have_no_tone(printed):
+
+    moves, layers = printed.moves, printed.outlines.layer.max() + 1
+    wall = moves.feature == Feature.OUTER_WALL
+    tone = tone_of_moves(printed.outlines, moves, printed.settings.raft_layers - layers)
+    assert (tone[wall] == NO_TONE).all()
+
+
 def test_unsupported_distance_is_that_of_the_settled_strands(printed):
     laid = settled(strands(printed.moves), 0.3)
     found = point_attributes(printed.moves)(laid)
