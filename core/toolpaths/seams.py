@@ -10,6 +10,8 @@ from ..paths import Feature, Paths
 from ..ragged import following, preceding, ranges, starts, sums
 from ..settings import PrintSettings
 
+# A little to the right of straight back: of a back that is flat the corner is farthest, in all layers.
+_REAR = np.array([0.2, 1.0])
 # What steps back less is as good as straight (mm).
 _LEAST_VALLEY_MM = 0.05
 
@@ -17,13 +19,13 @@ _LEAST_VALLEY_MM = 0.05
 def seam_offsets(paths: Paths, settings: PrintSettings) -> IntArray:
     """(K,) which of its points each path starts at; 0 for open paths and for the tower.
 
-    `rear` is the point farthest back (greatest Y); `aligned` starts at the rear on a loop's first layer and then
-    stays as near as it can to a seam of the layer below. `valley` does the same, but only where the line steps back
-    into the material: in the valleys of a wave, or else in concave corners, if the loop has any. `nearest` depends on
-    the way of the nozzle and is found when paths are put in order; until then it is the rear.
+    `rear` is the point farthest back, of a flat back its right corner; `aligned` starts at the rear on a loop's first
+    layer and then stays as near as it can to a seam of the layer below. `valley` does the same, but only where the line
+    steps back into the material: in the valleys of a wave, or else in concave corners, if the loop has any. `nearest`
+    depends on the way of the nozzle and is found when paths are put in order; until then it is the rear.
     """
     if settings.seam_position in ("rear", "nearest"):
-        rear = nearest(-paths.points[:, 1], paths.start)[0] - paths.start[:-1]
+        rear = nearest(-(paths.points @ _REAR), paths.start)[0] - paths.start[:-1]
         return np.where(has_seam(paths), rear, 0)
     offset = np.zeros(len(paths.layer), dtype=np.int64)
     closed = np.flatnonzero(has_seam(paths))
@@ -95,6 +97,6 @@ def _depths(points: FloatArray, start: IntArray, reach: float) -> FloatArray:
 
 def _distance_to(points: FloatArray, seams: FloatArray) -> FloatArray:
     if len(seams) == 0:
-        return -points[:, 1]
+        return np.asarray(-(points @ _REAR))
     away = points[:, None] - seams[None]
     return np.asarray((away**2).sum(axis=2).min(axis=1))

@@ -6,7 +6,7 @@ from dualcolor.core.paths import Feature, Paths
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.toolpaths.order import ordered
-from dualcolor.core.toolpaths.seams import valleys
+from dualcolor.core.toolpaths.seams import seam_offsets, valleys
 from dualcolor.tests.solids import cylinder
 
 
@@ -55,12 +55,23 @@ def test_of_deep_and_shallow_valleys_only_the_deep_ones_hide_a_seam():
     assert len(found) >= 19 and (found < np.pi + 0.1).all()
 
 
+@pytest.mark.parametrize("seam_position", ["rear", "nearest"])
+def test_a_flat_back_has_its_seam_at_the_corner_whatever_the_tones_set_back(seam_position):
+    across = np.arange(-10, 10, 0.5)
+    corner = np.array([[10.0, 10.0], [-10.0, 10.0], [-10.0, -10.0], [10.0, -10.0]])
+    set_back = np.random.default_rng(4).choice([0.0, 1e-9, 0.02, 0.3], size=(30, len(across)))
+    backs = [np.vstack([corner[2:], np.column_stack([across, 10 - depth])]) for depth in set_back]
+    paths = loops(*backs)
+    seams = paths.points[paths.start[:-1] + seam_offsets(paths, PrintSettings(seam_position=seam_position))]
+    assert seams[:, 0].min() > 8 and np.ptp(seams[:, 0]) < 2
+
+
 def test_seam_in_the_valley_nearest_to_the_rear_then_to_the_one_below():
     waves = [wave(10, 40, 0.6, phase=phase) for phase in (0.0, 0.0, np.pi, np.pi, 0.0)]
     seams = begun(loops(*waves), seam_position="valley")
     assert np.hypot(*seams.T) == pytest.approx(9.7, abs=0.01)
     pitch = 2 * np.pi * 10 / 40
-    assert np.hypot(*(seams - [0, 10]).T).max() < 1.5 * pitch
+    assert np.hypot(*(seams - [2, 9.8]).T).max() < 1.5 * pitch
     assert np.hypot(*np.diff(seams, axis=0).T).max() < 0.75 * pitch
     # without it, at the rear, the seam sits on a crest or a flank
     assert np.hypot(*begun(loops(*waves), seam_position="rear").T).max() > 9.9
