@@ -74,15 +74,15 @@ def cycles(successor: IntArray, layer: IntArray) -> tuple[IntArray, IntArray]:
 def _rulers(count: int) -> IntArray:
     """(R,) members to be rulers: one of each sixteen in a row, scattered; all members if there are few."""
     if count < _MANY:
-        return np.arange(count)
-    number = np.arange(count // _APART)
+        return np.arange(count, dtype=np.int64)
+    number = np.arange(count // _APART, dtype=np.int64)
     return _APART * number + (((number * _SCATTER) & 0xFFFFFFFF) >> 28)
 
 
 def _walks(successor: IntArray, ruler: IntArray) -> _Walks:
     """Walk from each ruler to the next one, all at once; members of cycles without a ruler become rulers too."""
     count = len(successor)
-    name = np.arange(count)
+    name = np.arange(count, dtype=np.int64)
     name[ruler] = count + np.arange(len(ruler))
     onwards = np.concatenate([name.take(successor), name[ruler]])  # who has arrived stays
     following, length, least = np.empty_like(ruler), np.ones_like(ruler), ruler.copy()

@@ -67,7 +67,7 @@ def _mixed(*parts: IntArray) -> NDArray[np.uint64]:
     """One 64-bit key of several numbers; unlike ones differ but for a chance of about n² / 2⁶⁵."""
     key = np.zeros(parts[0].shape, dtype=np.uint64)
     for part in parts:
-        key = (key ^ part.view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+        key = (key ^ part.astype(np.int64, copy=False).view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
         key ^= key >> np.uint64(29)
         key *= np.uint64(0xBF58476D1CE4E5B9)
         key ^= key >> np.uint64(32)
