@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import os
 import sys
 import tomllib
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TextIO
 
 from .commands import analyze, audit, build_table, demo, measure, plate, read_photo, render, tile
 from .commands import print as print_command
@@ -76,7 +77,7 @@ def main(argv: Sequence[str]) -> int:
         with ended_by_signals(), OutputFiles(paths) as files:
             message = command.run(args, files)
     except PrintError as problem:
-        print("error:", " ".join(str(problem).split()), file=sys.stderr)
+        print("error:", _shown(" ".join(str(problem).split()), sys.stderr), file=sys.stderr)
         return USER_ERROR
     except KeyboardInterrupt:
         return INTERRUPTED
@@ -124,13 +125,19 @@ def _inputs(args: argparse.Namespace) -> list[Path]:
 def _say(lines: Sequence[str]) -> int:
     """Print the result; who has stopped reading it, as `head` does, has not made the job fail."""
     try:
-        print("\n".join(lines), flush=True)
+        print(_shown("\n".join(lines), sys.stdout), flush=True)
     except OSError as problem:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # else Python complains again when it ends
-        if not isinstance(problem, BrokenPipeError):
+        if not isinstance(problem, BrokenPipeError) and problem.errno != errno.EINVAL:  # Windows's number for that
             print(f"error: the result cannot be shown: {problem.strerror}", file=sys.stderr)
             return USER_ERROR
     return DONE
+
+
+def _shown(text: str, stream: TextIO | None) -> str:
+    """A text with question marks for what a stream cannot show; names of files may be no Unicode at all."""
+    encoding = getattr(stream, "encoding", None) or "utf-8"
+    return text.encode(encoding, "replace").decode(encoding)
 
 
 def _version() -> str:

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from ..core.errors import SettingsError
-from ..core.files import OutputFiles, make_folder
+from ..core.files import OutputFiles, make_folder, write_file
 from ..core.pattern.modulation import PERIOD_LAYERS
 from ..core.pictures.match import PictureMatch
 from ..core.pictures.shapes import PictureShape, fitted, picture_plate
@@ -141,10 +141,10 @@ def _write_tables(
     command = f"./dualcolor plate {' '.join(image.name for image in args.images)} --out {args.out.as_posix()}"
     text = table(rows, (*plate.size, plate.columns, plate.rows), settings, not args.plain_contrast, command)
     text += pictures_of({image.name: Path(files.paths[_sheet(image)].name) for image in args.images})
-    files.staged("table").write_text(text, encoding="utf-8")
+    write_file(files.staged("table"), text.encode("utf-8", "replace"))
     figures = [{"picture": name, "pattern": pattern} | match.as_dict() for name, pattern, match in rows]
     report = {"plates": figures, "settings": settings.as_dict()}
-    files.staged("report").write_text(json.dumps(report, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_file(files.staged("report"), (json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
 
 
 def _sheet(image: Path) -> str:

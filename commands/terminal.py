@@ -35,9 +35,9 @@ class Progress:
 
 
 def load_blender() -> None:
-    """Import Blender's module, which takes a second; a signal meanwhile ends the program, as nothing is begun yet.
+    """Import Blender's module and GEOS, which takes a second; a signal meanwhile ends the program, as nothing is begun.
 
-    Blender's own start swallows the exceptions that signals raise and goes on, broken.
+    The starts of both swallow the exceptions that signals raise, and go on broken.
     """
     if "bpy" in sys.modules or threading.current_thread() is not threading.main_thread():
         return
@@ -48,6 +48,7 @@ def load_blender() -> None:
         signal.signal(number, signal.SIG_DFL)
     try:
         import bpy  # noqa: F401
+        import shapely  # noqa: F401
     finally:
         for number, handler in former.items():
             signal.signal(number, handler)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import errno
 import json
 import os
+import secrets
 import signal
+import stat
+import sys
 import tempfile
 import threading
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any
@@ -31,6 +34,8 @@ _REASONS = {
     errno.EFBIG: "the disk takes no file of this size",
     errno.ENAMETOOLONG: "its name is too long",
 }
+if sys.platform == "win32":
+    _REASONS[errno.EACCES] = "there is no permission to write there, or another program has it open"
 
 
 def read_json(path: Path) -> Any:
@@ -45,7 +50,7 @@ def read_json(path: Path) -> Any:
     if len(data) > MOST_JSON_BYTES:
         raise ValueError("too large")
     try:
-        return json.loads(data.decode("utf-8"))
+        return json.loads(without_mark(data).decode("utf-8"))
     except RecursionError:
         raise ValueError("nested too deeply") from None
 
@@ -63,7 +68,17 @@ def read_print_file(path: Path) -> bytes:
         raise PrintError(f"{path} cannot be read", problem.strerror or "choose another file") from None
     if len(data) > MOST_PRINT_BYTES:
         raise PrintError(f"{path} has more than {MOST_PRINT_BYTES // 1_000_000} MB", "choose the file of a print")
-    return data
+    return without_mark(data)
+
+
+def without_mark(text: bytes) -> bytes:
+    """A text without the byte order mark that editors on Windows begin it with."""
+    return text.removeprefix(b"\xef\xbb\xbf")
+
+
+def title(path: Path) -> str:
+    """A file's name without its suffix; names in Blender are UTF-8, those of files may be anything."""
+    return os.fsencode(path.stem).decode("utf-8", "replace")
 
 
 def write_file(path: str | os.PathLike[str], data: bytes) -> None:
@@ -96,13 +111,18 @@ def reason(error: OSError) -> str:
 
 
 def _write_beside_and_rename(target: Path, data: bytes) -> None:
-    temporary = target.parent / f".dualcolor-{os.getpid()}.part"
+    temporary = target.parent / _temporary_name()
     try:
         temporary.write_bytes(data)
         os.replace(temporary, target)
     except BaseException:  # raised again: after an interrupt, too, nothing half-written may stay
         temporary.unlink(missing_ok=True)
         raise
+
+
+def _temporary_name() -> str:
+    """A name that no other job uses; process numbers alone repeat in containers and on other machines."""
+    return f".dualcolor-{os.getpid()}-{secrets.token_hex(4)}.part"
 
 
 class OutputFiles:
@@ -125,17 +145,18 @@ class OutputFiles:
         seen: set[str] = set()
         for path in self.paths.values():
             _check_writable(path)
-            if os.path.realpath(path) in seen:
+            place = _spelled_alike(os.path.realpath(path))
+            if place in seen:
                 raise OutputError(f"{path} is named for two outputs", "give each its own name")
-            seen.add(os.path.realpath(path))
+            seen.add(place)
 
     def staged(self, kind: str) -> Path:
         """A temporary name in the same folder, with the same suffix, for what will become the file of a kind."""
         path = self.paths[kind]
         target = Path(os.path.realpath(path))
         folder = Path(tempfile.gettempdir()) if _is_device(target) else target.parent
-        number = len(self._staged)  # not the file's name, which may be as long as names can be
-        self._staged[target] = folder / f".dualcolor-{os.getpid()}-{number}.part{path.suffix}"
+        # Not the file's name, which may be as long as names can be.
+        self._staged[target] = folder / f"{_temporary_name()}{path.suffix}"
         return self._staged[target]
 
     def __enter__(self) -> OutputFiles:
@@ -153,7 +174,8 @@ class OutputFiles:
         finally:
             for part in self._staged.values():
                 for left in (part, part.with_name(part.name + "@")):  # Blender's own temporary name
-                    left.unlink(missing_ok=True)
+                    with suppress(OSError):  # the disk may be gone; what went wrong first is what is told
+                        left.unlink(missing_ok=True)
 
     def _raise_failed(self, problem: OSError | OutputError) -> None:
         """Say which output could not be written, by its own name."""
@@ -210,6 +232,11 @@ def keep_inputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
             raise OutputError(f"{output} is read by this job and would be lost", "write to another file")
 
 
+def _spelled_alike(place: str) -> str:
+    """A path as it is compared: Windows and macOS take no notice of small and capital letters."""
+    return place.casefold() if sys.platform in ("win32", "darwin") else place
+
+
 def _is_device(path: Path) -> bool:
     """Whether a path is something like /dev/null, which must not be replaced by a file."""
     return path.exists() and not path.is_file()
@@ -229,6 +256,8 @@ def _check_writable(path: Path) -> None:
     try:
         if path.is_dir():
             raise OutputError(f"{path} cannot be written", "it is a folder")
+        if _is_stdout(path):
+            raise OutputError(f"{path} cannot be written", "it is where the program tells its result")
         if not path.parent.is_dir():
             raise OutputError(f"{path} cannot be written", f"there is no folder {path.parent}")
         if path.exists() and not os.access(path, os.W_OK):
@@ -238,3 +267,12 @@ def _check_writable(path: Path) -> None:
                 pass
     except OSError as failed:
         raise OutputError(f"{path} cannot be written", reason(failed)) from None
+
+
+def _is_stdout(path: Path) -> bool:
+    """Whether a path is the pipe or file that the standard output goes to, where more text is to come."""
+    try:
+        here, stdout = os.stat(path), os.fstat(1)
+    except OSError:  # no such file yet, or no standard output
+        return False
+    return os.path.samestat(here, stdout) and not stat.S_ISCHR(here.st_mode)

@@ -13,6 +13,7 @@ from ..bridge.input.image_input import picture_tone
 from ..bridge.objects.picture_objects import add_picture_object
 from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
+from ..core.files import title
 from ..core.pictures.shapes import PictureShape, fitted, picture_plate, picture_tube
 from ..core.settings import PrintSettings
 from .add_figures import DUALCOLOR_OT_add_figure_cylinder, draw_figure_entries
@@ -82,7 +83,7 @@ class _AddPicture(ImportHelper):
             high, wide = image.tone.shape
             shape = self.shape(settings, wide / high)
             picture = fitted(image, shape, auto_contrast=self.auto_contrast, frame_tone=self.frame_tone)
-            obj = add_picture_object(picture, shape, f"{path.stem} {self.label}", settings)
+            obj = add_picture_object(picture, shape, f"{title(path)} {self.label}", settings)
         except PrintError as problem:
             return refused(self, problem)
         show_added(context, obj)

@@ -9,6 +9,7 @@ import bpy
 from mathutils import Matrix
 
 from ...core.errors import PrintError
+from ...core.files import title
 from ..units import mm_per_unit
 from .model_file import SCALE_KEY, UNTURNED, Angles, baked, check_file, import_objects, printable, turn_upright
 
@@ -40,7 +41,7 @@ def open_marker(name: str, model: bpy.types.Object, up: str = "", rotate_deg: An
         found, kind = [scene.objects[name]], ".blend"
     else:
         raise PrintError(f"there is no file {name} and no object of that name", "give a model file")
-    made = baked(found, scale @ turn_upright(kind, up, rotate_deg), path.stem)
+    made = baked(found, scale @ turn_upright(kind, up, rotate_deg), title(path))
     made.display_type, made.hide_render = "WIRE", True
     made.select_set(False)
     bpy.context.view_layer.objects.active = model

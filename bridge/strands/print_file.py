@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core.files import read_print_file
+from ...core.files import read_print_file, title
 from ...core.gcode.reader import ReadPrint, read_gcode
 from ...core.x3g.moves import moves_of_x3g
 from .preview import build_preview
@@ -21,7 +21,7 @@ def read_print(path: Path) -> ReadPrint:
         PrintError: it cannot be read, or is damaged.
     """
     data = read_print_file(path)
-    return moves_of_x3g(data, path.stem) if path.suffix.lower() == ".x3g" else read_gcode(data, path.stem)
+    return moves_of_x3g(data, title(path)) if path.suffix.lower() == ".x3g" else read_gcode(data, title(path))
 
 
 def show_file(path: Path) -> bpy.types.Collection:

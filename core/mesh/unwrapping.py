@@ -88,7 +88,10 @@ def unwrapping(
         options |= {f"pack_{name}": value for name, value in asdict(pack).items()}
         np.savez(question, vertices=vertices.astype(np.float32), faces=faces.astype(np.uint32), **options)
         command = [sys.executable, "-I", str(Path(__file__).with_name("xatlas_process.py")), *_library_folders()]
-        with subprocess.Popen([*command, str(question), str(answer)], stderr=subprocess.DEVNULL) as process:
+        without_window = getattr(subprocess, "CREATE_NO_WINDOW", 0)  # on Windows, where a console would open
+        with subprocess.Popen(
+            [*command, str(question), str(answer)], stderr=subprocess.DEVNULL, creationflags=without_window
+        ) as process:
             try:
                 yield from _waiting(process, len(faces) / TRIANGLES_PER_SECOND)
             finally:

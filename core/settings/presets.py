@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import OutputError, SettingsError
-from ..files import MOST_JSON_BYTES, read_json, write_file
+from ..files import MOST_JSON_BYTES, read_json, without_mark, write_file
 from ..records import dataclass
 from .header_text import read_back
 from .print_settings import PrintSettings
@@ -20,7 +20,8 @@ PRESETS = Path(__file__).resolve().parent.parent.parent / "presets"
 # The groups of settings that presets of each kind hold.
 KINDS = {"printer": ("printer",), "filament": ("filament",), "quality": ("print",), "pattern": ("pattern", "texture")}
 GCODE_SUFFIXES = (".gcode", ".gco", ".g")
-_NAME = re.compile(r"\w[\w .+-]{0,59}")
+# Windows takes the names in front for devices, whatever their suffix.
+_NAME = re.compile(r"(?!(con|prn|aux|nul|com\d|lpt\d)(\.|$))\w[\w .+-]{0,59}", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -190,6 +191,6 @@ def _header_values(path: Path) -> dict[str, Any]:
 def _start_of(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            return file.read(MOST_JSON_BYTES + 1)
+            return without_mark(file.read(MOST_JSON_BYTES + 1))
     except OSError as problem:
         raise SettingsError(f"{path} cannot be read", problem.strerror or "") from None

@@ -64,12 +64,14 @@ def test_waves_show_what_is_coarser_than_they_are(pattern, least, contrast):
     assert 0.02 < made.match.darkest < made.match.brightest < 0.8
 
 
+SMALL = ["--width", "8", "--height", "5", "--mm-per-pixel", "0.125", "--samples", "1", "--patterns", "offset"]
+
+
 def test_the_command_writes_sheets_and_tables(tmp_path, capsys):
     picture = tmp_path / "ramp.png"
     Image.fromarray(np.tile(np.arange(0, 250, 5, dtype=np.uint8), (40, 1))).save(picture)
     out = tmp_path / "made" / "here"
-    small = ["--width", "8", "--height", "5", "--mm-per-pixel", "0.125", "--samples", "1", "--patterns", "offset"]
-    assert main(["plate", str(picture), "--out", str(out), "--gcode", *small]) == 0
+    assert main(["plate", str(picture), "--out", str(out), "--gcode", *SMALL]) == 0
     printed_lines = capsys.readouterr().out
     assert "ramp.png offset: r 0." in printed_lines and "wrote" in printed_lines
     names = sorted(path.name for path in out.iterdir())
@@ -82,6 +84,14 @@ def test_the_command_writes_sheets_and_tables(tmp_path, capsys):
     with Image.open(out / "plates_ramp.png") as sheet:
         pixels = np.asarray(sheet.convert("L"), dtype=float)
     assert np.ptp(pixels) > 200
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names are Unicode here")
+def test_a_picture_whose_name_is_no_unicode(tmp_path, capsys):
+    picture = tmp_path / "caf\udce9.png"
+    Image.fromarray(np.tile(np.arange(0, 250, 5, dtype=np.uint8), (40, 1))).save(picture)
+    assert main(["plate", str(picture), "--out", str(tmp_path / "out"), *SMALL]) == 0
+    assert "| caf?.png | `offset` |" in (tmp_path / "out" / "plates.md").read_text()
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,12 @@
 """Files are written whole or not at all, one by one or several together."""
 
 import os
+import sys
+from pathlib import Path
 
 import pytest
 from dualcolor.core.errors import OutputError
-from dualcolor.core.files import OutputFiles, keep_inputs, write_file
+from dualcolor.core.files import OutputFiles, keep_inputs, read_json, read_print_file, title, write_file
 
 
 def test_new_and_replaced(tmp_path):
@@ -123,3 +125,59 @@ def test_files_appear_together_or_not_at_all(tmp_path):
         files.staged("second").write_text("new")
         assert first.read_text() == "former"
     assert first.read_text() == second.read_text() == "new" and len(list(tmp_path.iterdir())) == 2
+
+
+def test_jobs_with_the_same_process_number_do_not_share_files(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "getpid", lambda: 1)  # as in each of several containers
+    with OutputFiles({"x3g": tmp_path / "a.x3g"}) as one, OutputFiles({"x3g": tmp_path / "b.x3g"}) as other:
+        one.staged("x3g").write_text("one")
+        other.staged("x3g").write_text("other")
+    assert [(tmp_path / name).read_text() for name in ("a.x3g", "b.x3g")] == ["one", "other"]
+
+
+@pytest.mark.parametrize("system", ["win32", "darwin"])
+def test_names_that_differ_in_case_are_one_file(tmp_path, monkeypatch, system):
+    outputs = {"gcode": tmp_path / "print", "report": tmp_path / "PRINT"}
+    monkeypatch.setattr(sys, "platform", system)
+    with pytest.raises(OutputError, match="two outputs"):
+        OutputFiles(outputs)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no names for open files here")
+def test_no_output_among_the_result(tmp_path):
+    (tmp_path / "a.gcode").write_text("former")
+    read, write = os.pipe()
+    kept = os.dup(1)
+    for place in (os.open(tmp_path / "a.gcode", os.O_WRONLY), write):
+        os.dup2(place, 1)
+        os.close(place)
+        try:
+            with pytest.raises(OutputError, match="where the program tells its result"):
+                OutputFiles({"gcode": Path("/dev/stdout")})
+        finally:
+            os.dup2(kept, 1)
+    os.close(kept)
+    os.close(read)
+    assert (tmp_path / "a.gcode").read_text() == "former"
+
+
+def test_what_went_wrong_first_is_told_even_if_nothing_can_be_removed(tmp_path, monkeypatch):
+    def gone(path, missing_ok=False):
+        raise OSError("the disk is gone")
+
+    with pytest.raises(ZeroDivisionError), OutputFiles({"gcode": tmp_path / "a.gcode"}) as files:
+        files.staged("gcode").write_text("half")
+        monkeypatch.setattr(Path, "unlink", gone)
+        raise ZeroDivisionError
+
+
+def test_byte_order_marks_are_no_part_of_a_text(tmp_path):
+    (tmp_path / "a.json").write_bytes(b'\xef\xbb\xbf{"layer_height": 0.2}')
+    (tmp_path / "a.gcode").write_bytes(b"\xef\xbb\xbf; layer_height = 0.2\nG1 X1\n")
+    assert read_json(tmp_path / "a.json") == {"layer_height": 0.2}
+    assert read_print_file(tmp_path / "a.gcode") == b"; layer_height = 0.2\nG1 X1\n"
+
+
+def test_titles_of_files_are_unicode():
+    assert title(Path("a b.c.obj")) == "a b.c"
+    assert title(Path("caf\udce9.obj")).encode().startswith(b"caf")

@@ -110,7 +110,9 @@ def test_own_presets_are_saved_found_and_removed(tmp_path):
     assert (PRESETS / "quality" / "fine.json").exists()
 
 
-@pytest.mark.parametrize("name", ["", "  ", "../fine", "a/b", "a\\b", ".hidden", "x" * 80, "a\nb", "C:x"])
+@pytest.mark.parametrize(
+    "name", ["", "  ", "../fine", "a/b", "a\\b", ".hidden", "x" * 80, "a\nb", "C:x", "NUL", "com1.x"]
+)
 def test_names_that_are_no_file_names(tmp_path, name):
     with pytest.raises(SettingsError, match="cannot be a preset's name"):
         save_preset(tmp_path, "quality", name, PrintSettings())
