@@ -6,7 +6,7 @@ import ctypes
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 
 STDOUT, STDERR = 1, 2
 
@@ -24,8 +24,8 @@ def quiet_stdout() -> Iterator[None]:
 
 @contextmanager
 def quiet_stderr() -> Iterator[None]:
-    """Discard what C writes to the process's standard error; for short blocks whose failures we report ourselves."""
-    with _turned_away(STDERR):
+    """Discard what is written to the process's standard error, for short blocks whose failures we report ourselves."""
+    with _turned_away(STDERR), open(os.devnull, "w") as silence, redirect_stderr(silence):
         yield
 
 

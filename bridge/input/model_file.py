@@ -12,9 +12,11 @@ import numpy as np
 from mathutils import Euler, Matrix
 
 from ...core.errors import MeshError, PrintError
+from ...core.files import title
 from ..mesh_data import positions
 from ..quiet import quiet_stderr
 from ..units import mm_per_unit, use_millimeters
+from .file_heads import check_head
 from .mesh_input import evaluated_mesh
 
 UP_AXIS = {".blend": "z", ".obj": "y", ".stl": "z", ".ply": "z", ".glb": "y", ".gltf": "y"}
@@ -104,7 +106,7 @@ def check_file(path: Path, alone: bool) -> None:
 
     Raises:
         PrintError: no such file, or an unknown kind.
-        MeshError: it is empty or holds nothing.
+        MeshError: it is empty, holds nothing, or would be read wrongly.
     """
     kind = path.suffix.lower()
     if kind not in UP_AXIS:
@@ -117,6 +119,7 @@ def check_file(path: Path, alone: bool) -> None:
         raise MeshError(f"{path} is empty")
     if kind == ".stl" and path.stat().st_size <= _STL_HEAD_BYTES:
         raise MeshError(f"{path} holds no triangles", "export it again")
+    check_head(path)
     if kind == ".blend" and not alone:
         raise PrintError(f"{path} cannot be opened beside other files", "print several of its objects with --object")
 
@@ -130,9 +133,8 @@ def _opened(
     chosen = [_named(path, found, name) for name in names] or printable(path, found, joined=imported)
     if imported or height_mm is not None or scale != 1 or turn != Matrix():
         groups = [[obj] for obj in chosen] if names else [chosen]
-        stem = os.fsencode(path.stem).decode("utf-8", "replace")  # Blender's names are UTF-8, those of files anything
-        titles = [group[0].name if names or not imported else stem for group in groups]
-        chosen = [baked(group, turn, title) for group, title in zip(groups, titles, strict=True)]
+        titles = [group[0].name if names or not imported else title(path) for group in groups]
+        chosen = [baked(group, turn, name) for group, name in zip(groups, titles, strict=True)]
     if height_mm is not None:
         scale = height_mm / _height(path, chosen)
     if scale != 1:
@@ -176,7 +178,8 @@ def _read(path: Path, kind: str) -> None:
         elif kind == ".ply":
             bpy.ops.wm.ply_import(filepath=name, **axes)
         else:
-            bpy.ops.import_scene.gltf(filepath=name, disable_bone_shape=True)
+            with quiet_stderr():  # its importer, written in Python, shows tracebacks
+                bpy.ops.import_scene.gltf(filepath=name, disable_bone_shape=True)
     except RuntimeError as problem:  # how an operator tells that it has failed
         reason = str(problem).strip().splitlines()[0].removeprefix("Error: ")
         if reason.startswith("Python: "):  # a traceback of an importer that is written in it
