@@ -13,6 +13,8 @@ from ..core.progress import Progress, drained
 from ..core.records import dataclass
 from .refusal import refused
 
+_TICK_S = 0.001  # stages that are kept take no longer
+
 Steps = Generator[Progress, None, str]
 """A job that returns the message to report."""
 
@@ -64,7 +66,7 @@ class JobOperator:
             return {"CANCELLED"}
         manager = context.window_manager
         self._job, self._workspace, self._scene = self.steps(context), context.workspace, context.scene.session_uid
-        self._timer = manager.event_timer_add(0.02, window=context.window)
+        self._timer = manager.event_timer_add(_TICK_S, window=context.window)
         manager.progress_begin(0, 100)
         manager.modal_handler_add(self)
         self._show(context, 0.0, "starting")
@@ -130,7 +132,9 @@ def stop_job(context: bpy.types.Context) -> None:
 
 
 def _redraw_sidebars(context: bpy.types.Context) -> None:
+    """Draw them anew; the views beside them may show a million points."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()

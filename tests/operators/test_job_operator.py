@@ -124,6 +124,25 @@ def test_the_progress_is_told():
     job.cancel(window)
 
 
+def test_progress_draws_sidebars_and_no_views():
+    """A view may show a million points, which take longer to draw than most steps."""
+
+    class Region(SimpleNamespace):
+        def tag_redraw(self):
+            drawn.append((self.of, self.type))
+
+    drawn, window, job = [], Window(), Pretended()
+    areas = [
+        SimpleNamespace(type=of, regions=[Region(of=of, type=kind) for kind in ("HEADER", "UI", "WINDOW")])
+        for of in ("VIEW_3D", "IMAGE_EDITOR")
+    ]
+    window.windows = [SimpleNamespace(screen=SimpleNamespace(areas=areas))] * 2
+    job.invoke(window, None)
+    job.modal(window, SimpleNamespace(type="TIMER"))
+    job.cancel(window)
+    assert drawn == [("VIEW_3D", "UI")] * 6
+
+
 def test_escape_leaves_everything_as_it_was():
     job = Pretended()
     window, outcome = events(job, ["TIMER", "TIMER", "ESC"])
