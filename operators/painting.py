@@ -121,7 +121,8 @@ class DUALCOLOR_OT_bake_material(JobOperator, bpy.types.Operator):
         """A mesh with a material is needed."""
         if not has_own_mesh(cls, context):
             return False
-        if not any(printed_materials(context.object)):
+        obj = context.object
+        if not any(printed_materials(obj)) and all(modifier.type != "NODES" for modifier in obj.modifiers):
             cls.poll_message_set("Give the object a material first")
             return False
         return True

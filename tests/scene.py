@@ -68,6 +68,18 @@ def add_material(obj, image=None, color=None, shader="BSDF_PRINCIPLED"):
     return material, tree
 
 
+def give_by_nodes(obj, material):
+    """Have Geometry Nodes give all faces a material, which is then in no slot of the object."""
+    group = bpy.data.node_groups.new("give", "GeometryNodeTree")
+    for side in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=side, socket_type="NodeSocketGeometry")
+    node = group.nodes.new("GeometryNodeSetMaterial")
+    node.inputs["Material"].default_value = material
+    group.links.new(group.nodes.new("NodeGroupInput").outputs[0], node.inputs["Geometry"])
+    group.links.new(node.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+    obj.modifiers.new("Give", "NODES").node_group = group
+
+
 def model_of(obj, image=None, **settings):
     depsgraph = bpy.context.evaluated_depsgraph_get()
     return surface_model(obj, depsgraph, PrintSettings(**settings), image)

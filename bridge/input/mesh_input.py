@@ -173,7 +173,8 @@ def world_vertices(mesh: bpy.types.Mesh, evaluated: bpy.types.Object, mm: float)
 
 def _material_colors(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> list[BaseColor]:
     """One entry per material slot, at least one."""
-    slots = printed_materials(obj) or list(mesh.materials)
+    slots = printed_materials(obj)
+    slots += list(mesh.materials)[len(slots) :]  # that Geometry Nodes give
     return [base_color(material) for material in slots] or [BaseColor()]
 
 

@@ -20,7 +20,7 @@ def bake_scene(copy: bpy.types.Object) -> Iterator[bpy.types.Scene]:
     Raises:
         PrintError: Blender's add-on Cycles is off.
     """
-    scene, world, mesh = bpy.data.scenes.new(copy.name), bpy.data.worlds.new(copy.name), copy.data
+    scene, world = bpy.data.scenes.new(copy.name), bpy.data.worlds.new(copy.name)
     try:
         scene.collection.objects.link(copy)
         scene.world = world
@@ -30,6 +30,7 @@ def bake_scene(copy: bpy.types.Object) -> Iterator[bpy.types.Scene]:
             raise PrintError("Cycles is off", "turn on Cycles Render Engine in Preferences > Add-ons") from None
         yield scene
     finally:
+        mesh = copy.data
         bpy.data.objects.remove(copy)
         bpy.data.scenes.remove(scene)
         bpy.data.worlds.remove(world)

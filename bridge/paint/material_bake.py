@@ -51,7 +51,7 @@ def material_bake_steps(
         yield 0.05
         made_uv = _fitting_uv_map(obj, scene, copy)
         side = picture_size(copy, texel_mm)
-        repeated = _repeats(scene, copy)
+        repeated = _with_all_materials(scene, copy)
         yield 0.1
         with bake_target((side, side), background_tone) as target, _unlit(obj, copy, background_tone) as materials:
             for material in materials:
@@ -106,18 +106,33 @@ def _is_one_to_one(mesh: bpy.types.Mesh) -> bool:
     return is_one_to_one(layer_uv(mesh.uv_layers.active)[loops].reshape(-1, 3, 2), area.astype(np.float64))
 
 
-def _repeats(scene: bpy.types.Scene, copy: bpy.types.Object) -> bool:
-    """Whether modifiers put faces on the places of others in a UV map that has a place for each."""
+def _with_all_materials(scene: bpy.types.Scene, copy: bpy.types.Object) -> bool:
+    """Apply the modifiers if Geometry Nodes give further materials, which are in no slot.
+
+    Returns:
+        Whether modifiers put faces on the places of others in a UV map that has a place for each.
+    """
     if not any(modifier.show_viewport for modifier in copy.modifiers):
         return False
-    with working_in(scene, copy), evaluated_mesh(copy, bpy.context.evaluated_depsgraph_get()) as mesh:
-        return bool(mesh.uv_layers) and not _is_one_to_one(mesh)
+    with working_in(scene, copy):
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        with evaluated_mesh(copy, depsgraph) as mesh:
+            repeated = bool(mesh.uv_layers) and not _is_one_to_one(mesh)
+            given = len(mesh.materials) > len(copy.material_slots)
+        if given:
+            former, evaluated = copy.data, copy.evaluated_get(depsgraph)
+            copy.data = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+            copy.modifiers.clear()
+            bpy.data.meshes.remove(former)
+    return repeated
 
 
 @contextmanager
 def _unlit(obj: bpy.types.Object, copy: bpy.types.Object, background: float) -> Iterator[list[bpy.types.Material]]:
     """The copy wears materials that shine in the colors of the object's own; they are removed afterwards."""
-    made = [unlit_copy(material, background) for material in printed_materials(obj)]
+    printed = printed_materials(obj)
+    printed += [slot.material for slot in copy.material_slots][len(printed) :]
+    made = [unlit_copy(material, background) for material in printed]
     try:
         for slot, (material, _) in zip(copy.material_slots, made, strict=True):
             slot.link, slot.material = "OBJECT", material

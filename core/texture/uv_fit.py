@@ -8,7 +8,7 @@ from ..mesh.surface_points import points_on_faces
 from ..model import FloatArray
 from .islands import uv_areas
 
-_CELLS = 1024  # along the side of the picture
+_CELLS = 512  # along the side of the picture
 _STEP = 0.7  # between points, so that hardly a cell is missed
 _OUTSIDE = 1e-3  # of the side; less is rounding
 _TWICE = 0.03  # share of the charts' area that may lie on others

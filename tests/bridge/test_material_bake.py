@@ -9,7 +9,7 @@ from dualcolor.bridge.paint.material_bake import material_bake_steps  # noqa: E4
 from dualcolor.core.errors import MeshError  # noqa: E402
 from dualcolor.core.progress import drained  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb  # noqa: E402
-from dualcolor.tests.scene import add_box, add_material, add_mesh, add_uvs, flat_image, model_of  # noqa: E402
+from dualcolor.tests.scene import add_box, add_material, add_mesh, add_uvs, flat_image, give_by_nodes, model_of  # noqa: E402
 
 KINDS = ("scenes", "worlds", "objects", "meshes", "materials", "images", "node_groups")
 GRAY = (0.2, 0.2, 0.2, 1.0)
@@ -165,6 +165,16 @@ def test_a_mesh_without_room_for_every_face_gets_a_uv_map_and_its_pictures_stay_
         for share, expected in ((0.25, 0.0), (0.75, 1.0)):
             column, row = ((low + share * (high - low)) * side).astype(int)
             assert light[row, column, 0] == pytest.approx(expected, abs=0.02)
+
+
+def test_materials_that_geometry_nodes_give_are_baked(square):
+    add_material(square, color=GRAY)
+    given = bpy.data.materials.new("given")
+    give_by_nodes(square, given)
+    before = counts()
+    light, _ = baked(square)
+    assert counts() == before | {"images": before["images"] + 1}
+    np.testing.assert_allclose(middle(light), 0.8, atol=0.01)  # Blender's own gray
 
 
 def test_what_modifiers_repeat_is_told_of(square):

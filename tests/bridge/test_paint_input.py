@@ -10,6 +10,7 @@ from dualcolor.tests.scene import (
     add_uvs,
     flat_image,
     fresh,
+    give_by_nodes,
     model_of,
 )
 
@@ -33,6 +34,18 @@ def test_chosen_image_beats_the_material():
     model = model_of(box, image=flat_image((1, 1, 1, 1), "white"))
     assert len(model.textures) == 1 and model.textures[0].tone.min() == 1
     assert (model.polygon_texture == 0).all()
+
+
+def test_the_material_that_geometry_nodes_give_beats_the_slots():
+    fresh()
+    box = add_box()
+    add_uvs(box)
+    given, _ = add_material(box, flat_image((1, 1, 1, 1), "white"))
+    box.data.materials.clear()
+    add_material(box, flat_image((0, 0, 0, 1), "black"))
+    give_by_nodes(box, given)
+    model = model_of(box)
+    assert len(model.textures) == 1 and model.textures[0].tone.min() == 1
 
 
 @pytest.mark.parametrize("shader", ["BSDF_PRINCIPLED", "ShaderNodeEmission", "ShaderNodeBsdfDiffuse"])
