@@ -25,7 +25,7 @@ def seam_offsets(paths: Paths, settings: PrintSettings) -> IntArray:
     depends on the way of the nozzle and is found when paths are put in order; until then it is the rear.
     """
     if settings.seam_position in ("rear", "nearest"):
-        rear = nearest(-(paths.points @ _REAR), paths.start)[0] - paths.start[:-1]
+        rear = nearest(-np.einsum("ij,j", paths.points, _REAR), paths.start)[0] - paths.start[:-1]
         return np.where(has_seam(paths), rear, 0)
     offset = np.zeros(len(paths.layer), dtype=np.int64)
     closed = np.flatnonzero(has_seam(paths))
@@ -97,6 +97,6 @@ def _depths(points: FloatArray, start: IntArray, reach: float) -> FloatArray:
 
 def _distance_to(points: FloatArray, seams: FloatArray) -> FloatArray:
     if len(seams) == 0:
-        return np.asarray(-(points @ _REAR))
+        return np.asarray(-np.einsum("ij,j", points, _REAR))
     away = points[:, None] - seams[None]
     return np.asarray((away**2).sum(axis=2).min(axis=1))
