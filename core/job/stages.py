@@ -58,6 +58,8 @@ class Stages:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Wait for the work beside the stages."""
+        if kind is None:
+            self._cache.trim()
         self._beside.shutdown()
         sys.setswitchinterval(self._turn_s)
         if self._collects:
@@ -81,7 +83,6 @@ class Stages:
 
     def ended(self) -> dict[str, Any]:
         """The part of the report on time and memory, after the last stage."""
-        self._cache.trim()
         self._clock.stop()
         seconds = self._clock.seconds
         times = {"stages_s": seconds, "total_s": sum(seconds.values())}
