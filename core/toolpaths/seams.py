@@ -11,7 +11,7 @@ from ..ragged import following, preceding, ranges, starts, sums
 from ..settings import PrintSettings
 
 # A little to the right of straight back: of a back that is flat the corner is farthest, in all layers.
-_REAR = np.array([0.2, 1.0])
+_REAR = (0.2, 1.0)
 # What steps back less is as good as straight (mm).
 _LEAST_VALLEY_MM = 0.05
 
@@ -100,3 +100,9 @@ def _distance_to(points: FloatArray, seams: FloatArray) -> FloatArray:
         return np.asarray(-np.einsum("ij,j", points, _REAR))
     away = points[:, None] - seams[None]
     return np.asarray((away**2).sum(axis=2).min(axis=1))
+
+
+def _rearwards(points: FloatArray) -> FloatArray:
+    """(N,) how far points (N, 2) lie to the rear; `@` would wake the threads of OpenBLAS, which then spin."""
+    x, y = points.T
+    return np.asarray(_REAR[0] * x + _REAR[1] * y)
