@@ -202,16 +202,34 @@ def _insertions(
     of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts)
     place = np.flatnonzero(others[rows])
     top = moves.position[np.append(strands, -1)[np.searchsorted(strands, rows[place])], 2]
+    travels = _travels_ahead(moves, rows[place][tool_starts[rows[place]]], printer)
     columns = (place, rows[place], top, *(column[rows[place]] for column in of_rows))
     for number, row, height, *values in zip(*(column.tolist() for column in columns), strict=True):
         new_layer, layer, new_tool, tool, new_feature = values
         lines = list(heating[0].get(row, []))
         if new_layer:
             lines += [*layer_comments(layer, height, printer), PROGRESS[:-1].decode()]
-        lines += tool_change_lines(tool, printer) if new_tool else []
+        lines += [*travels.get(row, []), *tool_change_lines(tool, printer)] if new_tool else []
         lines += heating[1].get(row, [])
         insertions[number] = joined(lines) + insertions[number] * new_feature
     return rows, insertions
+
+
+def _travels_ahead(moves: Moves, changes: IntArray, printer: PrinterProfile) -> dict[int, list[str]]:
+    """By row, the travel with which it begins, to be made before the tool changes there, if it is one.
+
+    Marlin shifts the carriage at once, so that the other nozzle, which may drip, comes to where the last one is: better
+    over the tower than over what was printed last. Klipper shifts it with the row itself, at the same height.
+
+    Args:
+        moves: in the printer's coordinates.
+        changes: (C,) rows with which another tool begins.
+        printer: that they are for.
+    """
+    rows = changes[moves.filament[changes] == 0] if printer.marlin else changes[:0]
+    feedrate = np.minimum(moves.speed[rows], printer.max_speed_mm_s[0]) * 60
+    places = zip(rows.tolist(), moves.position[rows].tolist(), feedrate.tolist(), strict=True)
+    return {row: [f"G1 X{x:.3f} Y{y:.3f} Z{z:.3f} F{feed:.0f}"] for row, (x, y, z), feed in places}
 
 
 def _width_changes(moves: Moves, strands: IntArray, usual: float) -> tuple[IntArray, IntArray]:

@@ -36,6 +36,8 @@ class Firmware:
     acceleration: dict = field(default_factory=dict)
     waiting_for_bed: list = field(default_factory=list)
     left: list = field(default_factory=list)
+    changed_at: list = field(default_factory=list)
+    went_on_at: list = field(default_factory=list)
 
     def run(self, text):
         for line in text.splitlines():
@@ -55,7 +57,9 @@ class Firmware:
             if command == "M190":
                 self.waiting_for_bed = [self.target[0], self.target[1], self.place[2]]
         elif command in ("T0", "T1"):
-            self.changes += bool(self.laid) and self.tool != int(command[1])
+            if self.laid and self.tool != int(command[1]):
+                self.changes += 1
+                self.changed_at.append(self.place.copy())
             self.tool = int(command[1])
         elif command in ("M106", "M107"):
             self.switched_on += command == "M106"
@@ -79,6 +83,8 @@ class Firmware:
             if not self.printing:
                 self.primed.append((self.tool, *begin[:2], *self.place, values["E"]))
             elif values["E"] > 0 and (begin[:2] != self.place[:2]).any():
+                if len(self.changed_at) > len(self.went_on_at):
+                    self.went_on_at.append(begin)
                 self.laid.append((self.tool, *self.place, values["E"]))
                 self.blown.append(self.fan[self.tool])
 
@@ -152,6 +158,17 @@ def test_the_minutes_that_are_left_count_down_to_none():
     begins = np.array([0.0, 250.0, 600.0, 1000.0])
     told = Firmware().run(gcode_text(rosette(3, 40), SETTINGS, [], begins).decode())
     assert told.left == [(0, 17), (25, 13), (60, 7), (100, 0)]
+
+
+@pytest.mark.parametrize("tower", ["w", "none"])
+def test_tools_change_above_where_the_print_goes_on(tower):
+    """The firmware brings the other nozzle there at once, and it may drip: not over what was printed last."""
+    settings = SETTINGS.changed({"tower_type": tower, "standby_temperature_delta": 30})
+    result = generate(box((0, 0, 0), (12, 12, 3)), settings)
+    told = Firmware().run(gcode_text(result.moves, settings, []).decode())
+    lift = np.array(told.changed_at) - told.went_on_at
+    assert len(lift) == result.report["tool_changes"]
+    assert lift == pytest.approx(np.tile([0, 0, settings.z_hop_toolchange], (len(lift), 1)), abs=1e-6)
 
 
 @pytest.mark.parametrize("side", [12, 210])

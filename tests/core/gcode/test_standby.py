@@ -94,7 +94,7 @@ def test_marlin_waits_in_its_own_words(slow):
     told = gcode_text(slow, SETTINGS.changed({"printer": "marlin_dual"}), []).decode("ascii").splitlines()
     assert "M133 T0" not in told
     use = told.index("M109 S230 T0", told.index("M104 S200 T0"))
-    assert "T0" in told[use + 1 : use + 6]
+    assert "T0" in told[use + 1 : use + 7]
 
 
 def test_the_moves_stay_the_same(slow):
