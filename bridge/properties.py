@@ -23,7 +23,7 @@ _SPELLED = {"Xy": "XY", "Dont": "Don't", "Toolchange": "Tool Change"}
 _TITLES = {declared.name: declared.name.replace("_", " ").title().split() for declared in fields(PrintSettings)}
 _LABELS = {name: " ".join(_SPELLED.get(word, word) for word in words) for name, words in _TITLES.items()}
 _NAMES = re.compile(rf"\b({'|'.join(name for name in _LABELS if '_' in name)})\b")
-_WORD = re.compile(r"[a-z]+,? ")
+_WORD = re.compile(r"(?!xatlas)[a-z]+,? ")
 _SEARCHED = {"seam_visibility": visibility_names}
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 """An object of another file that is overridden in this one has settings of its own."""

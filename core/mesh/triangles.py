@@ -27,10 +27,9 @@ _UNITS = {
     "centimeters": 10.0,
     "meters": 1e3,
     "kilometers": 1e6,
-    "micrometers": 1e-3,
-    "nanometers": 1e-6,
 }
 """Units that files are written in by mistake, and mm per unit, the likeliest first."""
+_SMALLER = (1e-3, 1e-6)  # factors for what is too large, whose unit nobody could guess
 _UV_LIMIT = 1e6  # beyond this, float32 no longer tells the texels apart
 
 
@@ -204,12 +203,15 @@ def size_hint(mesh: TriangleMesh, settings: PrintSettings) -> str | None:
 
 def _unit_hint(size: FloatArray, room: FloatArray) -> str:
     """What to do about a size (3,) in mm that is probably wrong: the unit in which it would be a usual one."""
+    length = float(size.max())
+    said = {factor: f"in {unit} it would be {{}} mm long, so scale it by {factor:g}" for unit, factor in _UNITS.items()}
+    said |= {factor: f"scaled by {factor:g} it would be {{}} mm long" for factor in _SMALLER}
     fitting = [
-        f"{unit} it would be {_length(float(size.max()) * factor)} mm long, so scale it by {factor:g}"
-        for unit, factor in _UNITS.items()
-        if size.max() * factor >= _USUAL_MM and (size * factor <= room).all()
+        text.format(_length(length * factor))
+        for factor, text in said.items()
+        if length * factor >= _USUAL_MM and (size * factor <= room).all()
     ]
-    return f"check its scale and unit: in {fitting[0]}" if fitting else "check its scale and unit"
+    return f"check its scale and unit: {fitting[0]}" if fitting else "check its scale and unit"
 
 
 def _length(millimeters: float) -> str:

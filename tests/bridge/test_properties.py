@@ -33,7 +33,7 @@ def test_sentences_begin_with_a_capital_unless_with_a_name(scene):
     bpy.data.objects.new("cat", None)
     assert properties.as_shown("the cat is open") == "The cat is open"
     assert properties.as_shown("brim_width is 0") == "Brim Width is 0"
-    for said in ("cat has no faces", "odd.json is not JSON", "3 walls hang", ""):
+    for said in ("cat has no faces", "odd.json is not JSON", "xatlas is not there", "3 walls hang", ""):
         assert properties.as_shown(said) == said
 
 

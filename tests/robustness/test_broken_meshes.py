@@ -102,7 +102,7 @@ def test_duplicate_and_zero_area_faces_change_nothing():
         (1e-3, "meters"),
         (1 / 25.4, "inches"),
         (1e-6, "kilometers"),
-        (1e3, "micrometers"),
+        (1e3, "scaled by 0.001 it would be 20 mm long"),
         (1e36, "unit"),
         (np.nan, "finite"),
     ],
