@@ -24,6 +24,7 @@ from .arguments import (
     whole_number,
 )
 from .pictures import views
+from .produce import keep_scene_files
 from .terminal import Progress, load_blender
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
         "heatmap": figures.heatmap, "tracelines": figures.traceline_picture, "slopes": figures.slope_picture
     }  # fmt: skip
     with quiet_stdout(), Progress() as progress:
-        found = _analyzed(args, settings, progress)
+        found = _analyzed(args, settings, files, progress)
         for number, kind in enumerate(files.paths):
             if kind == "report":
                 text = json.dumps(found.report, indent=2, allow_nan=False) + "\n"
@@ -159,7 +160,7 @@ def turning_options(up: tuple[float, float, float], args: argparse.Namespace) ->
     return options or (["--rotate-x 0"] if any(rotation(args)) else [])
 
 
-def _analyzed(args: argparse.Namespace, settings: PrintSettings, progress: Progress) -> Analysis:
+def _analyzed(args: argparse.Namespace, settings: PrintSettings, files: OutputFiles, progress: Progress) -> Analysis:
     import bpy
 
     from ..bridge.input.image_input import load_image
@@ -168,6 +169,7 @@ def _analyzed(args: argparse.Namespace, settings: PrintSettings, progress: Progr
 
     obj = _opened(args)
     image = load_image(args.texture) if args.texture else None
+    keep_scene_files(files, settings)
     model = plate_model([obj], bpy.context.evaluated_depsgraph_get(), settings, [image])
     return analyze(model, settings, progress.show)
 

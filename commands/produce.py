@@ -81,7 +81,7 @@ def produce(
     from ..bridge.strands.preview import build_preview
     from ..core import pipeline
 
-    keep_inputs(files.paths.values(), _files_read(settings))
+    keep_scene_files(files, settings)
     model = plate_model(objects, bpy.context.evaluated_depsgraph_get(), settings, [image] * len(objects), markers)
     with Progress() as progress:
         result = pipeline.generate(model, settings, progress.show, begin_gcode="gcode" in files.paths)
@@ -125,12 +125,17 @@ def save_strands(
         drained(steps, lambda step: progress.show(*step))
 
 
-def _files_read(settings: PrintSettings) -> list[Path]:
-    """The files of the scene's pictures, and the tone table."""
+def keep_scene_files(files: OutputFiles, settings: PrintSettings) -> None:
+    """Make sure that no output takes the place of a picture or linked file of the scene, or of the tone table.
+
+    Raises:
+        OutputError: one would.
+    """
     import bpy
 
-    pictures = [bpy.path.abspath(image.filepath) for image in bpy.data.images if image.filepath]
-    return [Path(name) for name in [*pictures, settings.calibration_file] if name]
+    blocks = [*bpy.data.images, *bpy.data.libraries]
+    linked = [bpy.path.abspath(block.filepath, library=block.library) for block in blocks if block.filepath]
+    keep_inputs(files.paths.values(), [Path(name) for name in [*linked, settings.calibration_file] if name])
 
 
 def _write(result: DualColorPrint, files: OutputFiles, progress: Progress) -> DualColorPrint:

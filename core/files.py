@@ -91,7 +91,7 @@ def write_file(path: str | os.PathLike[str], data: bytes) -> None:
     Raises:
         OutputError: the file cannot be written; whatever was there before is untouched.
     """
-    target = Path(os.path.realpath(path))
+    target = _target(Path(path))
     try:
         if target.exists() and not target.is_file() and not target.is_dir():
             target.write_bytes(data)  # a device such as /dev/null must not be replaced by a file
@@ -153,7 +153,7 @@ class OutputFiles:
     def staged(self, kind: str) -> Path:
         """A temporary name in the same folder, with the same suffix, for what will become the file of a kind."""
         path = self.paths[kind]
-        target = Path(os.path.realpath(path))
+        target = _target(path)
         folder = Path(tempfile.gettempdir()) if _is_device(target) else target.parent
         # Not the file's name, which may be as long as names can be.
         self._staged[target] = folder / f"{_temporary_name()}{path.suffix}"
@@ -235,6 +235,11 @@ def keep_inputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
 def _spelled_alike(place: str) -> str:
     """A path as it is compared: Windows and macOS take no notice of small and capital letters."""
     return place.casefold() if sys.platform in ("win32", "darwin") else place
+
+
+def _target(path: Path) -> Path:
+    """What a link leads to; a device or pipe is known by the name that was given only."""
+    return path if _is_device(path) else Path(os.path.realpath(path))
 
 
 def _is_device(path: Path) -> bool:

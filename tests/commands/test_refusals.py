@@ -95,10 +95,23 @@ def test_a_model_keeps_its_pictures_and_a_print_its_tone_table(box, tmp_path, re
                 corners = " ".join(f"{corner}/{at}" for at, corner in enumerate(line.split()[1:], start=1))
                 file.write(f"f {corners}\n")
     assert "spots.png is read by this job" in refused("print", box, *FAST, "--render", tmp_path / "spots.png")
+    assert "spots.png is read by this job" in refused("analyze", box, *FAST, "--slopes", tmp_path / "spots.png")
     table = tmp_path / "table.json"
     table.write_bytes((ROOT / "presets/calibration/offset/set_back_fine.json").read_bytes())
     own = ["--set", "calibration=file", "--set", f"calibration_file={table}"]
     assert "table.json is read by this job" in refused("print", box, *FAST, *own, "--report", table)
+
+
+def test_a_scene_keeps_the_files_that_are_linked_to_it(box, tmp_path, refused):
+    library, scene = tmp_path / "library.blend", tmp_path / "scene.blend"
+    fresh()
+    bpy.data.libraries.write(str(library), {add_box((20, 20, 20), "boxed")})
+    fresh()
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["boxed"]
+    bpy.context.scene.collection.objects.link(bpy.data.objects["boxed"])
+    bpy.ops.wm.save_as_mainfile(filepath=str(scene))
+    assert "library.blend is read by this job" in refused("print", scene, *FAST, "--blend", library)
 
 
 def test_a_failure_while_writing_leaves_nothing(box, tmp_path, refused, monkeypatch):

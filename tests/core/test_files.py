@@ -161,6 +161,17 @@ def test_no_output_among_the_result(tmp_path):
     assert (tmp_path / "a.gcode").read_text() == "former"
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/fd"), reason="no names for open files here")
+def test_a_pipe_to_another_program():
+    read, write = os.pipe()
+    with OutputFiles({"gcode": Path(f"/dev/fd/{write}")}) as files:
+        write_file(files.staged("gcode"), b"G1 X1\n")
+    write_file(f"/dev/fd/{write}", b"G1 X2\n")
+    os.close(write)
+    with os.fdopen(read, "rb") as pipe:
+        assert pipe.read() == b"G1 X1\nG1 X2\n"
+
+
 def test_what_went_wrong_first_is_told_even_if_nothing_can_be_removed(tmp_path, monkeypatch):
     def gone(path, missing_ok=False):
         raise OSError("the disk is gone")

@@ -130,7 +130,7 @@ def test_levels_are_those_that_a_search_finds_also_on_planes_and_beyond_them(spa
 def test_the_kth_edge_that_leads_up_goes_with_the_kth_of_the_same_ends_that_leads_down(edges, closed):
     rng, slots = np.random.default_rng(5), 10000
     up, ends = rng.permutation(slots)[:edges], max(edges // 3, 1)
-    key = rng.permutation(edges) if closed else rng.integers(ends, size=edges)
+    key = rng.permutation(edges).astype(np.int64) if closed else rng.integers(ends, size=edges)
     down, down_key = rng.integers(slots, size=edges), key if closed else rng.integers(ends, size=edges)
     beyond = faces_beyond(np.append(key, down_key) << 40, np.append(up | LEADS_UP, down), slots)
     expected = np.full(slots, -1)
