@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..core.errors import OutputError
 from ..core.files import OutputFiles, write_file
-from ..core.pictures.viewing import TURNTABLE, VIEWS, view_files
+from ..core.pictures.viewing import TURNTABLE, VIEWS, png, view_files
 from ..core.settings import PrintSettings
 from .arguments import (
     add_settings,
@@ -100,7 +99,7 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
             name, view = kind.split(" ", 1)
             progress.show(number / len(files.paths), f"drawing, {name}")
             azimuth, elevation = VIEWS[view]
-            write_file(files.staged(kind), _png(draw[name](found, (azimuth + args.azimuth, elevation), args.pixels)))
+            write_file(files.staged(kind), png(draw[name](found, (azimuth + args.azimuth, elevation), args.pixels)))
     return [*summary(found), *_orientations(found, args)]
 
 
@@ -185,11 +184,3 @@ def _opened(args: argparse.Namespace) -> bpy.types.Object:
     if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
         unwrap(obj, args.unwrap)
     return obj
-
-
-def _png(picture: object) -> bytes:
-    from PIL import Image
-
-    data = BytesIO()
-    Image.fromarray(picture).save(data, "PNG", optimize=True)
-    return data.getvalue()

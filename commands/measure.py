@@ -46,19 +46,19 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     load_blender()
     import bpy
 
-    from ..bridge.measuring.gonioreflectometer import about, measure
+    from ..bridge.measuring.gonioreflectometer import measure, provenance
     from ..bridge.quiet import quiet_stdout
 
     settings = chosen_settings(args)
     make_folder(args.out)
     jobs = [(slant, block) for slant in args.slants for block in args.blocks]
-    wanted, lines = about(settings, args.light), []
+    wanted, lines = provenance(settings, args.light), []
     with Progress() as progress:
         bpy.ops.wm.read_factory_settings(use_empty=True)
         for number, (slant, block) in enumerate(jobs):
             path = sweep_path(args.out, slant, block)
             if path.exists():
-                if read_sweep(path).about != wanted:
+                if read_sweep(path).provenance != wanted:
                     raise CalibrationError(f"{path} was measured otherwise", "give another folder, or remove it")
                 lines.append(f"{path}: done before")
                 continue

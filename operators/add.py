@@ -14,7 +14,7 @@ from ..bridge.objects.picture_objects import add_picture_object
 from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
 from ..core.files import title
-from ..core.pictures.shapes import PictureShape, fitted, picture_plate, picture_tube
+from ..core.pictures.shapes import PLATE_BRIM_MM, PictureShape, fitted, picture_plate, picture_tube
 from ..core.settings import PrintSettings
 from .add_figures import DUALCOLOR_OT_add_figure_cylinder, draw_figure_entries
 from .calibrate import DUALCOLOR_OT_add_calibration_tile
@@ -23,7 +23,6 @@ from .refusal import refused
 from .viewing import show_added
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".exr", ".tga", ".webp")
-PLATE_BRIM_MM = 5.0  # a thin plate that stands upright needs a foot
 
 
 def _millimeters(name: str, default: float, description: str, low: float = 0.5, high: float = 200.0) -> Any:

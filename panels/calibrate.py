@@ -64,8 +64,8 @@ def _words_of(settings: PrintSettings, _changed: float) -> list[tuple[str, str]]
         return [(str(problem), "ERROR")]
     low, high = table.reflectance[0, [0, -1]]
     whose = "Your own table" if settings.calibration == "file" else "The program's table"
-    words = [(f"{whose}, by {table.about.source}: an upright wall shows {low:.2f} to {high:.2f}", "CHECKMARK")]
-    differences = table.about.differences(settings)
+    words = [(f"{whose}, by {table.provenance.source}: an upright wall shows {low:.2f} to {high:.2f}", "CHECKMARK")]
+    differences = table.provenance.differences(settings)
     if differences:
         words.append((f"It holds for other settings: {', '.join(differences)}", "ERROR"))
     return words

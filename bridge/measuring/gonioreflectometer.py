@@ -7,7 +7,7 @@ import math
 import bpy
 import numpy as np
 
-from ...core.calibration.about import About, tone_settings
+from ...core.calibration.provenance import Provenance, tone_settings
 from ...core.calibration.readings import read_tones
 from ...core.calibration.sweep import Sweep, angles_of
 from ...core.calibration.tile import Tile, gradient_tile
@@ -42,13 +42,13 @@ def measure(slant_deg: float, block: str, settings: PrintSettings, light: str = 
     angles = angles_of(block)
     reflectance, noise = read_tile(tile, settings.changed({"calibration": "none"}), window, angles, light)
     turned = np.array(angles)[:, 1 if block == "theta" else 0]
-    return Sweep(slant_deg, block, turned, tile.tone, reflectance, noise, about(settings, light))
+    return Sweep(slant_deg, block, turned, tile.tone, reflectance, noise, provenance(settings, light))
 
 
-def about(settings: PrintSettings, light: str = "even") -> About:
+def provenance(settings: PrintSettings, light: str = "even") -> Provenance:
     """What readings taken now are valid for."""
     source = f"Blender {bpy.app.version_string}, {'even light' if light == 'even' else 'a lamp'}"
-    return About(tone_settings(settings), dict(REFLECTANCE), source)
+    return Provenance(tone_settings(settings), dict(REFLECTANCE), source)
 
 
 def read_tile(

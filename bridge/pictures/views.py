@@ -19,6 +19,7 @@ from ...core.pictures.viewing import (
     Picture,
     PictureOptions,
     contact_sheet,
+    png,
     seen_from,
 )
 from ...core.progress import Progress, translated
@@ -72,7 +73,7 @@ def picture_steps(
                 taken = _take(camera, view, files.get(view), options, sheet is not None, shown is not None)
                 rows.append((yield from translated(taken, lambda _, step=step: step)))
     if sheet:
-        write_file(sheet, _png(contact_sheet(rows, _labels(options, shown is not None))))
+        write_file(sheet, png(contact_sheet(rows, _labels(options, shown is not None))))
     if TURNTABLE in files:
         yield from _turn(collection, files[TURNTABLE], options, (len(files) - 1) / len(files), in_window)
 
@@ -85,7 +86,7 @@ def _take(
     azimuth += options.azimuth_deg
     near = yield from camera.picture(azimuth, elevation)
     if path:
-        write_file(path, _png(_from_distance(near, camera.mm_per_pixel, options.distance)))
+        write_file(path, png(_from_distance(near, camera.mm_per_pixel, options.distance)))
     if not for_sheet:
         return []
     far = _from_distance(near, camera.mm_per_pixel, options.distance or _SHEET_DISTANCE)
@@ -125,11 +126,3 @@ def _labels(options: PictureOptions, with_model: bool) -> list[str]:
     far = DISTANCES_MM[name]
     seen = f"predicted print from {far:.0f} mm ({name})"
     return [*(["texture on the model"] if with_model else []), "predicted print", seen]
-
-
-def _png(picture: Picture) -> bytes:
-    from PIL import Image
-
-    data = BytesIO()
-    Image.fromarray(picture).save(data, "PNG")
-    return data.getvalue()

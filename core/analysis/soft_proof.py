@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ..calibration.about import tone_settings
 from ..calibration.calibrate import table_for
 from ..calibration.gamut_mapping import image_range, printable_tones
+from ..calibration.provenance import tone_settings
 from ..mesh.polygons import triangle_corners
 from ..mesh.surface_points import points_on_faces
 from ..mesh.triangles import checked
@@ -63,7 +63,7 @@ def proof_table(settings: PrintSettings, shown: tuple[float, float]) -> ProofTab
     for column in np.flatnonzero((tone < shown[0]) | (tone > shown[1])):
         wider = min(shown[0], tone[column]), max(shown[1], tone[column])
         seen[:, column] = printable_tones(tone[[column]], slant, table, wider, settings).seen[:, 0]
-    differences = table.about.differences(settings)
+    differences = table.provenance.differences(settings)
     notes = [f"the tone table holds for other settings ({', '.join(differences)})"] if differences else []
     return ProofTable(tone, slant, seen, tuple(notes))
 

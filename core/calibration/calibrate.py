@@ -69,7 +69,7 @@ def tone_curve(tone: FloatArray, settings: PrintSettings) -> tuple[ToneCurve | N
     if settings.calibration == "none":
         return None, notes
     table = table_for(settings)
-    if differences := table.about.differences(settings):
+    if differences := table.provenance.differences(settings):
         notes.append(f"the tone table holds for other settings ({', '.join(differences)}): {_HINT}")
     slants = table.slant_deg[:1] if settings.calibration == "upright" else table.slant_deg
     shown = image_range(tone, settings.layer_height * settings.wavelength / POINTS_PER_WAVELENGTH)
@@ -94,4 +94,4 @@ def table_for(settings: PrintSettings) -> ToneTable:
 def shipped_table(settings: PrintSettings) -> ToneTable:
     """The table of the program that fits this pattern and its settings best."""
     tables = [read_table(path) for path in sorted((SHIPPED / settings.pattern).glob("*.json"))]
-    return min(tables, key=lambda table: table.about.distance(settings))
+    return min(tables, key=lambda table: table.provenance.distance(settings))

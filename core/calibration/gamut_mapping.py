@@ -111,7 +111,7 @@ def targets(table: ToneTable, mapping: str, tone: FloatArray, image_range: tuple
         tone: (K,) 0 to 1.
         image_range: the picture's darkest and lightest tone, for `compress`; `WHOLE_RANGE` spreads all tones evenly.
     """
-    plastic_black, plastic_white = table.about.reflectance["Black"], table.about.reflectance["White"]
+    plastic_black, plastic_white = table.provenance.reflectance["Black"], table.provenance.reflectance["White"]
     if mapping == "clip":
         return np.tile(plastic_black + tone * (plastic_white - plastic_black), (len(table.slant_deg), 1))
     low, high = table.reflectance[:, :1], table.reflectance[:, -1:]

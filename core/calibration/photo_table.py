@@ -8,10 +8,10 @@ from ..errors import CalibrationError
 from ..model import BoolArray, FloatArray, IntArray
 from ..records import dataclass
 from ..settings import PrintSettings
-from .about import About, tone_settings
 from .homography import projected, square_to
 from .marks import patch_pixels
 from .photograph import Photograph
+from .provenance import Provenance, tone_settings
 from .step_wedge import COLUMNS, MARKS, ROWS, STEPS, Patches, patch_tones, patches, references
 from .table import ToneTable, isotonic
 
@@ -94,19 +94,19 @@ def wedge_table(
         ends: reflectance of the printed black and white, linear, if they are known.
         source: of the photograph.
     """
-    fits = not simulated.about.differences(settings)
+    fits = not simulated.provenance.differences(settings)
     rows = np.stack([np.interp(reading.tone, simulated.tone, row) for row in simulated.reflectance])
     black, white = ends or (float(rows[0, 0]), float(rows[0, -1]))
     upright = black + reading.seen * (white - black)
     noise = reading.noise * (white - black)
-    about = About(tone_settings(settings), dict(simulated.about.reflectance), source)
+    provenance = Provenance(tone_settings(settings), dict(simulated.provenance.reflectance), source)
     if not fits:
-        return ToneTable(reading.tone, np.zeros(1), upright[None, :], noise[None, :], about)
+        return ToneTable(reading.tone, np.zeros(1), upright[None, :], noise[None, :], provenance)
     share = (rows[:, -1] - rows[:, 0]) / (rows[0, -1] - rows[0, 0])
     corrected = rows + share[:, None] * (upright - rows[0])
     return ToneTable(
         reading.tone, simulated.slant_deg, np.stack([isotonic(np.clip(row, 0.0, 1.0)) for row in corrected]),
-        np.tile(noise, (len(rows), 1)), about,
+        np.tile(noise, (len(rows), 1)), provenance,
     )  # fmt: skip
 
 

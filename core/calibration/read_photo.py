@@ -60,6 +60,6 @@ def table_of_photo(
     if len(table.slant_deg) == 1 < len(base.slant_deg):
         notes.append(
             "the table is of an upright wall alone, and slopes are printed by it too: no simulation fits the settings ("
-            + ", ".join(base.about.differences(settings)) + ")"
+            + ", ".join(base.provenance.differences(settings)) + ")"
         )  # fmt: skip
     return PhotoTable(table, marks, notes)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..model import BoolArray, Float32Array, FloatArray, ToneImage
 from ..pattern.modulation import PERIOD_LAYERS
-from ..pictures.shapes import PictureShape, picture_plate
+from ..pictures.shapes import PLATE_BRIM_MM, PictureShape, picture_plate
 from ..records import dataclass
 from ..settings import PrintSettings
 
@@ -21,7 +21,6 @@ ROWS, COLUMNS = 5, 9
 STEPS = 21
 MARKS = np.array([(0.5, 0.5), (COLUMNS - 0.5, 0.5), (COLUMNS - 0.5, ROWS - 0.5), (0.5, ROWS - 0.5)])
 """(4, 2) crossings of the marks, in patches right of and below the grid's upper left corner; clockwise from there."""
-BRIM_MM = 5.0  # a plate that stands upright needs a foot
 
 _WAVES, _PERIODS = 6, 6  # width of a patch in waves, height in periods
 _MARGIN_WAVES, _MARGIN_PERIODS = 1, 1  # on each side that are not read, since neighbors blend there
@@ -102,5 +101,5 @@ def wedge_settings(settings: PrintSettings) -> PrintSettings:
     """The settings that the wedge is printed with: each step is modulated by its own tone, without calibration."""
     return settings.changed(
         {"calibration": "none", "solid_regions": "none", "texture_filter": "lanczos",
-         "brim_width": max(settings.brim_width, BRIM_MM)}
+         "brim_width": max(settings.brim_width, PLATE_BRIM_MM)}
     )  # fmt: skip

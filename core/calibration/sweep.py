@@ -14,7 +14,7 @@ from ..errors import CalibrationError
 from ..files import write_file
 from ..model import FloatArray
 from ..records import dataclass
-from .about import About
+from .provenance import Provenance
 
 BLOCKS = ("face", "phi", "theta")
 """Face on alone; turned up and down; turned to the sides."""
@@ -39,7 +39,7 @@ class Sweep:
         tone: (T,) that the tile's picture has.
         reflectance: (T, A) linear, what is seen.
         noise: (T, A) standard error of it.
-        about: what they are valid for.
+        provenance: what they are valid for.
     """
 
     slant_deg: float
@@ -48,7 +48,7 @@ class Sweep:
     tone: FloatArray
     reflectance: FloatArray
     noise: FloatArray
-    about: About
+    provenance: Provenance
 
     @property
     def face_on(self) -> int:
@@ -84,7 +84,7 @@ def write_sweep(path: Path, sweep: Sweep) -> None:
         tone=sweep.tone,
         reflectance=sweep.reflectance,
         noise=sweep.noise,
-        about=json.dumps(sweep.about.as_dict()),
+        about=json.dumps(sweep.provenance.as_dict()),
     )
     write_file(path, buffer.getvalue())
 
@@ -98,11 +98,11 @@ def read_sweep(path: Path) -> Sweep:
     try:
         _check_size(path)
         with np.load(path, allow_pickle=False) as held:
-            about = About.from_dict(json.loads(str(held["about"])))
+            provenance = Provenance.from_dict(json.loads(str(held["about"])))
             angle, tone, seen, noise = (
                 held[name].astype(np.float64) for name in ("angle_deg", "tone", "reflectance", "noise")
             )
-            return Sweep(float(held["slant_deg"]), str(held["block"]), angle, tone, seen, noise, about)
+            return Sweep(float(held["slant_deg"]), str(held["block"]), angle, tone, seen, noise, provenance)
     except _DAMAGES:
         raise CalibrationError(f"{path} holds no readings of a tile", "remove it and measure again") from None
 
@@ -123,6 +123,7 @@ def read_sweeps(folder: Path) -> list[Sweep]:
     sweeps = [read_sweep(path) for path in sorted(folder.glob("slant_*.npz"))]
     if not sweeps:
         raise CalibrationError(f"{folder} holds no readings of tiles", "run dualcolor measure first")
-    if any(sweep.about != sweeps[0].about or not np.array_equal(sweep.tone, sweeps[0].tone) for sweep in sweeps):
+    first = sweeps[0]
+    if any(sweep.provenance != first.provenance or not np.array_equal(sweep.tone, first.tone) for sweep in sweeps):
         raise CalibrationError(f"{folder} holds readings of different settings", "measure each into its own folder")
     return sorted(sweeps, key=lambda sweep: (sweep.slant_deg, sweep.block))

@@ -13,7 +13,7 @@ from ..errors import CalibrationError
 from ..files import read_json, write_file
 from ..model import FloatArray
 from ..records import dataclass
-from .about import About
+from .provenance import Provenance
 
 if TYPE_CHECKING:
     from .sweep import Sweep
@@ -30,19 +30,19 @@ class ToneTable:
         slant_deg: (S,) ascending, 0 upright.
         reflectance: (S, T) linear, not descending along a row.
         noise: (S, T) standard error of the readings.
-        about: what it is valid for.
+        provenance: what it is valid for.
     """
 
     tone: FloatArray
     slant_deg: FloatArray
     reflectance: FloatArray
     noise: FloatArray
-    about: About
+    provenance: Provenance
 
     @property
     def upright(self) -> ToneTable:
         """A table of the least slope alone, to be used for all slopes."""
-        return ToneTable(self.tone, self.slant_deg[:1], self.reflectance[:1], self.noise[:1], self.about)
+        return ToneTable(self.tone, self.slant_deg[:1], self.reflectance[:1], self.noise[:1], self.provenance)
 
     def printed(self, target: FloatArray) -> FloatArray:
         """(S, K) the tone to print for reflectances (S, K) on each slope; the nearest one where it is out of reach."""
@@ -77,7 +77,7 @@ def table_of(sweeps: Sequence[Sweep]) -> ToneTable:
         best = min(own, key=lambda sweep: float(np.nanmean(sweep.noise[:, sweep.face_on])))
         rows.append(isotonic(best.reflectance[:, best.face_on]))
         noises.append(best.noise[:, best.face_on])
-    return ToneTable(sweeps[0].tone, np.array(slants), np.stack(rows), np.stack(noises), sweeps[0].about)
+    return ToneTable(sweeps[0].tone, np.array(slants), np.stack(rows), np.stack(noises), sweeps[0].provenance)
 
 
 def isotonic(values: FloatArray) -> FloatArray:
@@ -100,7 +100,7 @@ def write_table(path: Path, table: ToneTable) -> None:
     Raises:
         OutputError: the file cannot be written.
     """
-    values: dict[str, Any] = {"format": FORMAT, "version": VERSION, "about": table.about.as_dict()}
+    values: dict[str, Any] = {"format": FORMAT, "version": VERSION, "about": table.provenance.as_dict()}
     values |= {"tone": table.tone.round(6).tolist(), "slant_deg": table.slant_deg.tolist()}
     values |= {"reflectance": table.reflectance.round(5).tolist(), "noise": table.noise.round(5).tolist()}
     lines = [f"  {json.dumps(name)}: {_text(value)}" for name, value in values.items()]
@@ -128,7 +128,7 @@ def read_table(path: Path) -> ToneTable:
         tone, slant, seen, noise = (
             np.array(values[name], dtype=np.float64) for name in ("tone", "slant_deg", "reflectance", "noise")
         )
-        table = ToneTable(tone, slant, seen, noise, About.from_dict(values["about"]))
+        table = ToneTable(tone, slant, seen, noise, Provenance.from_dict(values["about"]))
     except OSError as problem:
         raise CalibrationError(f"the tone table {path} cannot be read", problem.strerror or "") from None
     except (KeyError, ValueError, TypeError, AttributeError):
@@ -145,7 +145,7 @@ def _is_sound(table: ToneTable) -> bool:
         and shape[1] > 1
         and table.reflectance.shape == table.noise.shape == shape
         and all(np.isfinite(values).all() for values in (table.tone, table.slant_deg, table.reflectance))
-        and {"Black", "White"} <= set(table.about.reflectance)
+        and {"Black", "White"} <= set(table.provenance.reflectance)
         and (np.diff(table.tone) > 0).all()
         and (np.diff(table.slant_deg) > 0).all()
         and (np.diff(table.reflectance, axis=1) >= 0).all()

@@ -13,6 +13,7 @@ from ..records import dataclass
 from ..settings import PrintSettings
 from ..texture.lanczos import resized
 
+PLATE_BRIM_MM = 5.0  # a thin plate that stands upright needs a foot
 _FACET_MM = 1.0  # length of the sides of round shapes
 _LEAST_FACETS = 48
 _PAINTED = 0.5  # least alpha of texels that count for automatic contrast

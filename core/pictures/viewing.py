@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +98,15 @@ def encoded(light: FloatArray) -> Picture:
 def encoded_tone(light: float) -> float:
     """One value of linear light as sRGB, both from 0 to 1."""
     return float(encoded(np.array([light]))[0]) / 255
+
+
+def png(picture: Picture) -> bytes:
+    """The contents of a PNG file of a picture."""
+    from PIL import Image
+
+    data = BytesIO()
+    Image.fromarray(picture).save(data, "PNG")
+    return data.getvalue()
 
 
 def contact_sheet(rows: Sequence[Sequence[Picture]], labels: Sequence[str]) -> Picture:

@@ -77,7 +77,7 @@ def test_gamut_collapses_to_the_sides_and_keeps_its_bearings(quick, monkeypatch)
     assert sweep.angle_deg.tolist() == [0, 75]
     span = sweep.reflectance[-1] - sweep.reflectance[0]
     assert 0.05 < span[0] < 0.15
-    assert sweep.about.settings["pattern"] == "wave" and "Blender" in sweep.about.source
+    assert sweep.provenance.settings["pattern"] == "wave" and "Blender" in sweep.provenance.source
 
 
 def test_measure_goes_on_where_it_was_and_build_table_makes_table_and_maps(quick, tmp_path, capsys):

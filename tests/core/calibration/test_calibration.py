@@ -5,9 +5,9 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from dualcolor.core.calibration.about import tone_settings
 from dualcolor.core.calibration.calibrate import shipped_table
 from dualcolor.core.calibration.gamut_maps import gamut_maps, one_map
+from dualcolor.core.calibration.provenance import tone_settings
 from dualcolor.core.calibration.readings import read_tones
 from dualcolor.core.calibration.sweep import Sweep, angles_of, read_sweep, read_sweeps, sweep_path, write_sweep
 from dualcolor.core.calibration.table import isotonic, read_table, table_of, write_table
@@ -17,7 +17,7 @@ from dualcolor.core.errors import CalibrationError
 from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.settings.presets import preset_values
-from dualcolor.tests.core.calibration.tone_tables import ABOUT, DEFAULT, TONE, calibrated, inverse, table
+from dualcolor.tests.core.calibration.tone_tables import DEFAULT, PROVENANCE, TONE, calibrated, inverse, table
 from dualcolor.tests.solids import cylinder
 from hypothesis import given
 from hypothesis import strategies as st
@@ -93,7 +93,7 @@ def test_the_surest_reading_of_a_slope_counts(tmp_path):
     def sweep(slant, block, level, noise):
         angle = np.array(angles_of(block))[:, 1 if block == "theta" else 0]
         seen = np.repeat(TONE[:, None] * level, len(angle), axis=1)
-        return Sweep(slant, block, angle, TONE, seen, np.full(seen.shape, noise), ABOUT)
+        return Sweep(slant, block, angle, TONE, seen, np.full(seen.shape, noise), PROVENANCE)
 
     sweeps = [sweep(30, "phi", 0.5, 0.1), sweep(30, "face", 0.6, 0.01), sweep(0, "theta", 0.7, 0.1)]
     for each in sweeps:
@@ -106,7 +106,7 @@ def test_the_surest_reading_of_a_slope_counts(tmp_path):
     page = gamut_maps(found)
     assert page.size[1] > 2 * len(TONE)
     assert one_map(found[0]).size == (17 * 14, len(TONE) * 7)
-    write_sweep(sweep_path(tmp_path, 40, "phi"), replace(sweeps[0], about=replace(ABOUT, source="another")))
+    write_sweep(sweep_path(tmp_path, 40, "phi"), replace(sweeps[0], provenance=replace(PROVENANCE, source="another")))
     with pytest.raises(CalibrationError, match="different settings"):
         read_sweeps(tmp_path)
     broken = tmp_path / "slant_50_phi.npz"
@@ -122,7 +122,7 @@ def test_table_survives_a_file(tmp_path):
     made = table(TONE**2, 0.2 + TONE / 2)
     write_table(path, made)
     read = read_table(path)
-    assert read.about == made.about
+    assert read.provenance == made.provenance
     for name in ("tone", "slant_deg", "reflectance", "noise"):
         assert getattr(read, name) == pytest.approx(getattr(made, name), abs=1e-5)
 
@@ -195,7 +195,7 @@ def test_shipped_tables_hold_for_the_shipped_presets(pattern, quality):
     presets = [quality, *(["paper"] if pattern == "paper" else [])]
     chosen = PrintSettings().changed(preset_values(presets) | ({"pattern": "wave"} if pattern == "wave" else {}))
     made = shipped_table(chosen)
-    assert made.about.differences(chosen) == []
+    assert made.provenance.differences(chosen) == []
     assert made.slant_deg.tolist() == list(range(0, 81, 10))
     assert made.reflectance[0, -1] - made.reflectance[0, 0] > (0.28 if pattern == "default" else 0.06)
     assert calibrated(np.array([0.2]), np.zeros(1), chosen)[1] == []
@@ -213,14 +213,14 @@ def test_settings_that_the_table_does_not_hold_for_are_told():
     # The nearest one of those that come with the program is taken.
     for height, nearest in ((0.15, 0.2), (0.21, 0.2), (0.24, 0.25), (0.3, 0.25)):
         table_used = shipped_table(PrintSettings(layer_height=height))
-        assert table_used.about.settings["layer_height"] == nearest
+        assert table_used.provenance.settings["layer_height"] == nearest
 
 
 def test_the_nearest_table_differs_in_the_fewest_settings_then_by_the_smallest_shares():
     settings = tone_settings(DEFAULT)
 
     def distance(**changes):
-        return replace(ABOUT, settings=settings | changes).distance(DEFAULT)
+        return replace(PROVENANCE, settings=settings | changes).distance(DEFAULT)
 
     width, height = settings["extrusion_width"], settings["layer_height"]
     assert distance() == (0, 0)
@@ -232,7 +232,7 @@ def test_the_nearest_table_differs_in_the_fewest_settings_then_by_the_smallest_s
 def test_every_pattern_has_a_table():
     setting = next(setting for setting in fields(PrintSettings) if setting.name == "pattern")
     tables = [shipped_table(PrintSettings(pattern=pattern)) for pattern in setting.metadata["choices"]]
-    assert [table_used.about.settings["pattern"] for table_used in tables] == list(setting.metadata["choices"])
+    assert [table_used.provenance.settings["pattern"] for table_used in tables] == list(setting.metadata["choices"])
 
 
 @pytest.mark.parametrize("quality", ["standard", "fine"])

@@ -148,7 +148,7 @@ def test_a_photograph_gives_the_response_back(tmp_path, response):
     made = table_of_photo(path, DEFAULT, ends=ends)
     assert made.table.reflectance[0] == pytest.approx(response(made.table.tone), abs=0.008)
     assert (np.diff(made.table.reflectance, axis=1) >= 0).all()
-    assert not made.notes and made.table.about.settings == shipped_table(DEFAULT).about.settings
+    assert not made.notes and made.table.provenance.settings == shipped_table(DEFAULT).provenance.settings
     assert made.table.noise.max() < 0.02
     assert made.marks == pytest.approx(marks_in(TILTED), abs=1.0)
 
@@ -179,7 +179,7 @@ def test_other_settings_than_the_simulations_give_the_upright_wall_alone(tmp_pat
     made = table_of_photo(photo_of(tmp_path), settings, marks_in(TILTED))
     assert made.table.slant_deg.tolist() == [0.0]
     assert any("upright wall alone" in note and "offset_max" in note for note in made.notes)
-    assert not made.table.about.differences(settings)
+    assert not made.table.provenance.differences(settings)
 
 
 def test_patches_are_averaged_as_they_are_and_not_as_they_are_seen():

@@ -1,22 +1,22 @@
 """Tone tables made by hand."""
 
 import numpy as np
-from dualcolor.core.calibration.about import About, tone_settings
 from dualcolor.core.calibration.calibrate import tone_curve
 from dualcolor.core.calibration.gamut_mapping import WHOLE_RANGE, printable_tones
+from dualcolor.core.calibration.provenance import Provenance, tone_settings
 from dualcolor.core.calibration.table import ToneTable
 from dualcolor.core.model import FloatArray
 from dualcolor.core.settings import PrintSettings
 
 DEFAULT = PrintSettings()
-ABOUT = About(tone_settings(DEFAULT), {"Black": 0.0, "White": 1.0}, "a test")
+PROVENANCE = Provenance(tone_settings(DEFAULT), {"Black": 0.0, "White": 1.0}, "a test")
 TONE = np.linspace(0, 1, 11)
 
 
 def table(*rows, slants=None, tone=TONE):
     rows = np.array(rows)
     slants = np.arange(len(rows)) * 30.0 if slants is None else np.array(slants)
-    return ToneTable(tone, slants, rows, np.full(rows.shape, 0.001), ABOUT)
+    return ToneTable(tone, slants, rows, np.full(rows.shape, 0.001), PROVENANCE)
 
 
 def inverse(made, mapping="compress", shown=WHOLE_RANGE):

@@ -14,7 +14,7 @@ _OF_PATTERN = {"wave": _WAVES, "wave_offset": _WAVES + _SET_BACK, "offset": _SET
 
 
 @dataclass(frozen=True)
-class About:
+class Provenance:
     """Where readings come from.
 
     Attributes:
@@ -56,7 +56,7 @@ class About:
         return {"settings": self.settings, "reflectance": self.reflectance, "source": self.source}
 
     @staticmethod
-    def from_dict(values: dict[str, Any]) -> About:
+    def from_dict(values: dict[str, Any]) -> Provenance:
         """The inverse of `as_dict`.
 
         Raises:
@@ -65,7 +65,7 @@ class About:
             ValueError: something is not a number.
         """
         reflectance = {str(name): float(value) for name, value in values["reflectance"].items()}
-        return About(dict(values["settings"]), reflectance, str(values["source"]))
+        return Provenance(dict(values["settings"]), reflectance, str(values["source"]))
 
 
 def tone_settings(settings: PrintSettings) -> dict[str, Any]:
