@@ -91,8 +91,8 @@ def write_file(path: str | os.PathLike[str], data: bytes) -> None:
     Raises:
         OutputError: the file cannot be written; whatever was there before is untouched.
     """
-    target = _target(Path(path))
     try:
+        target = _target(Path(path))
         if target.exists() and not target.is_file() and not target.is_dir():
             target.write_bytes(data)  # a device such as /dev/null must not be replaced by a file
             return
