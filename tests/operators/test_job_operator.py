@@ -99,7 +99,7 @@ def test_a_job_stops_when_another_scene_is_chosen_unless_it_has_one_of_its_own()
         outcome = [job.modal(window, SimpleNamespace(type="TIMER")) for _ in range(1 if bound else 2)]
         assert outcome[-1] == ({"CANCELLED"} if bound else {"FINISHED"})
         assert job.written == ([] if bound else [1]) and JobOperator.running is None
-        assert ("another scene" in job.reports[0][1]) == bound
+        assert ("Another scene" in job.reports[0][1]) == bound
 
 
 def test_a_second_job_waits_for_the_first():
@@ -158,7 +158,7 @@ def test_a_failed_job_frees_the_window_and_a_bug_keeps_its_traceback(problem):
     job.modal(window, SimpleNamespace(type="TIMER"))
     if isinstance(problem, PrintError):
         assert job.modal(window, SimpleNamespace(type="TIMER")) == {"CANCELLED"}
-        assert job.reports == [("ERROR", "no UVs")]
+        assert job.reports == [("ERROR", "No UVs")]
     else:
         with pytest.raises(ZeroDivisionError):
             job.modal(window, SimpleNamespace(type="TIMER"))
