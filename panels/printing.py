@@ -61,10 +61,11 @@ class DUALCOLOR_PT_results(ObjectPanel, bpy.types.Panel):
             return
         draw_outdated(layout, report, group)
         draw_figures(layout, figures(report), factor=0.4)
+        about_nodes = next((warning for warning in report["warnings"] if BAKE_HINT in warning), "")
         for warning in report["warnings"]:
             draw_sentence(layout, context, warning)
-        if BAKE_HINT in " ".join(report["warnings"]):
-            layout.operator(DUALCOLOR_OT_bake_material.bl_idname, icon="MATERIAL")
+            if warning == about_nodes:
+                layout.operator(DUALCOLOR_OT_bake_material.bl_idname, icon="MATERIAL")
 
 
 PANELS = (DUALCOLOR_PT_print, DUALCOLOR_PT_results)

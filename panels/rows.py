@@ -13,6 +13,9 @@ from ..operators.job import JobOperator
 from .in_use import in_use
 from .sections import Section
 
+_LETTER_PX = 6.5  # of the interface's font, a little more than on average
+_AROUND_PX = 83  # of the sidebar's width: its tabs, the margins of panels and the icon
+
 
 def draw_settings(layout: bpy.types.UILayout, obj: bpy.types.Object, section: Section) -> None:
     """The settings of a section, one a row; gray where they do nothing beside the others."""
@@ -79,7 +82,7 @@ def fitting(context: bpy.types.Context, text: str, short: str, share: float = 1.
 
 def _letters(width_px: float, scale: float) -> int:
     """How many letters of the usual width a row beside an icon has room for."""
-    return max(16, int(width_px / (7.0 * scale)) - 6)
+    return max(10, int((width_px / scale - _AROUND_PX) / _LETTER_PX))
 
 
 def draw_progress(layout: bpy.types.UILayout, *operators: type[bpy.types.Operator]) -> None:

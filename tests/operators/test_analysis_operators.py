@@ -13,6 +13,7 @@ from dualcolor import cli  # noqa: E402
 from dualcolor.bridge.analysis.orientations import orientations_of  # noqa: E402
 from dualcolor.bridge.analysis.overlays import analysis_of, overlays_of  # noqa: E402
 from dualcolor.bridge.bed import bounds_mm  # noqa: E402
+from dualcolor.bridge.properties import set_report, values_of  # noqa: E402
 from dualcolor.bridge.units import use_millimeters  # noqa: E402
 from dualcolor.panels.analysis import (  # noqa: E402
     DUALCOLOR_PT_analysis,
@@ -72,6 +73,23 @@ def drawn(panel, obj):
     icons = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
     assert set(layout.icons) <= set(icons.keys())
     return layout
+
+
+def test_what_the_nodes_make_can_be_baked_below_the_warning_about_them(cone):
+    from dualcolor.bridge.input.base_color import BAKE_HINT
+    from dualcolor.panels.printing import DUALCOLOR_PT_results
+
+    report = {
+        "warnings": ["a", f"nodes: {BAKE_HINT}", f"others: {BAKE_HINT}"],
+        "layers": 1,
+        "bounds_mm": [(0,) * 3] * 2,
+    }
+    report |= {"settings": values_of(cone.dualcolor), "time_s": {"total": 1.0}}
+    report["filament"] = {f"tool{tool}_{unit}": 1.0 for tool in (0, 1) for unit in ("mm", "g")}
+    set_report(cone.dualcolor, report)
+    assert drawn(DUALCOLOR_PT_results, cone).operators == ["dualcolor.bake_material"]
+    set_report(cone.dualcolor, report | {"warnings": ["a"]})
+    assert not drawn(DUALCOLOR_PT_results, cone).operators
 
 
 def shown(collection):

@@ -222,6 +222,7 @@ def test_the_results_in_the_sidebar():
     assert figures(report)[-1] == ("Solid Regions", "3: +1 tool changes, +1.8 min")
     assert duration(59 * 60) == "59 min"
     assert all(len(line) <= 34 for line in wrapped("thin walls " * 20, 280, 1.0))
+    assert all(len(line) <= 14 for line in wrapped("thin walls " * 20, 172, 1.0))  # the narrowest there is
 
 
 def test_export_buttons_name_the_printer_and_are_told_apart_in_a_narrow_sidebar():
