@@ -87,7 +87,8 @@ def test_without_a_wave_in_a_concave_corner_or_at_the_rear():
 
 def test_nearest_to_the_nozzle():
     ring = wave(10, 0, 0.0, points=360)
-    far = loops(ring, ring + np.array([40, 0]), ring + np.array([40, 40]), layer=[0, 0, 0])
+    # the first one is not around the place from which the nozzle comes, of which all its points would be as near
+    far = loops(ring - np.array([1, 0]), ring + np.array([40, 0]), ring + np.array([40, 40]), layer=[0, 0, 0])
     order = ordered(far, PrintSettings(seam_position="nearest"))
     begin, end = order.points[order.start[:-1]], order.points[order.start[1:] - 1]
     assert begin == pytest.approx(end)
