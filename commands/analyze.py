@@ -22,6 +22,7 @@ from .arguments import (
     rotation,
     whole_number,
 )
+from .painted import chosen_pictures
 from .pictures import views
 from .produce import keep_scene_files
 from .terminal import Progress, load_blender
@@ -90,7 +91,7 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
         "heatmap": figures.heatmap, "tracelines": figures.traceline_picture, "slopes": figures.slope_picture
     }  # fmt: skip
     with quiet_stdout(), Progress() as progress:
-        found = _analyzed(args, settings, files, progress)
+        found, notes = _analyzed(args, settings, files, progress)
         for number, kind in enumerate(files.paths):
             if kind == "report":
                 text = json.dumps(found.report, indent=2, allow_nan=False) + "\n"
@@ -100,7 +101,7 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
             progress.show(number / len(files.paths), f"drawing, {name}")
             azimuth, elevation = VIEWS[view]
             write_file(files.staged(kind), png(draw[name](found, (azimuth + args.azimuth, elevation), args.pixels)))
-    return [*summary(found), *_orientations(found, args)]
+    return [*summary(found), *notes, *_orientations(found, args)]
 
 
 def summary(found: Analysis) -> list[str]:
@@ -159,28 +160,26 @@ def turning_options(up: tuple[float, float, float], args: argparse.Namespace) ->
     return options or (["--rotate-x 0"] if any(rotation(args)) else [])
 
 
-def _analyzed(args: argparse.Namespace, settings: PrintSettings, files: OutputFiles, progress: Progress) -> Analysis:
+def _analyzed(
+    args: argparse.Namespace, settings: PrintSettings, files: OutputFiles, progress: Progress
+) -> tuple[Analysis, list[str]]:
+    """What was found, and warnings about the pictures."""
     import bpy
 
-    from ..bridge.input.image_input import load_image
     from ..bridge.input.plate import plate_model
     from ..core.analysis.analysis import analyze
 
     obj = _opened(args)
-    image = load_image(args.texture) if args.texture else None
+    images, notes = chosen_pictures([obj], args, settings)
     keep_scene_files(files, settings)
-    model = plate_model([obj], bpy.context.evaluated_depsgraph_get(), settings, [image])
-    return analyze(model, settings, progress.show)
+    model = plate_model([obj], bpy.context.evaluated_depsgraph_get(), settings, images)
+    return analyze(model, settings, progress.show), notes
 
 
 def _opened(args: argparse.Namespace) -> bpy.types.Object:
     from ..bridge.input.model_file import open_model
     from ..bridge.objects.sample import make_sample
-    from ..bridge.paint.unwrap import unwrap
 
     if args.model is None:
         return make_sample()
-    obj = open_model(args.model, args.object, args.up, args.height_mm, scale=args.scale, rotate_deg=rotation(args))
-    if args.unwrap and obj.type == "MESH" and not obj.data.uv_layers:
-        unwrap(obj, args.unwrap)
-    return obj
+    return open_model(args.model, args.object, args.up, args.height_mm, scale=args.scale, rotate_deg=rotation(args))

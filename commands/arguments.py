@@ -25,7 +25,10 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
 
 def add_stand(parser: argparse.ArgumentParser) -> None:
     """Let the user say how the models stand, how large they are, and what is painted on them."""
-    parser.add_argument("--texture", type=Path, metavar="IMAGE", help="picture to print instead of the model's own")
+    picture = parser.add_mutually_exclusive_group()
+    picture.add_argument("--texture", type=Path, metavar="IMAGE", help="picture to print instead of the model's own")
+    picture.add_argument("--bake-material", action="store_true", help="print what the materials show with all their "
+                         "nodes, not only the picture in them")  # fmt: skip
     parser.add_argument("--unwrap", choices=("smart", "xatlas"), help="make UVs if the mesh has none")
     parser.add_argument("--up", choices=("y", "z"), default="", help="axis of the file that points up (default: y for "
                         ".obj, .glb and .gltf, z for .stl, .ply and .blend)")  # fmt: skip

@@ -49,4 +49,4 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     with quiet_stdout(), Progress() as progress:
         progress.show(0.0, "making the sample")
         obj = make_sample()
-    return summary(produce([obj], None, settings, files, picture_options(args)))
+    return summary(produce([obj], [None], settings, files, picture_options(args)))

@@ -8,6 +8,7 @@ from pathlib import Path
 from ..core.files import OutputFiles
 from ..core.model import SupportMark
 from .arguments import add_settings, add_stand, chosen_settings, rotation
+from .painted import chosen_pictures
 from .pictures import picture_options
 from .produce import NOTHING, add_outputs, named_outputs, produce
 from .terminal import load_blender, summary
@@ -52,25 +53,20 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
     if args.arrange:
         settings = settings.changed({"arrange": True})
     load_blender()
-    from ..bridge.input.image_input import load_image
     from ..bridge.input.marker_file import open_marker
     from ..bridge.input.model_file import open_models
-    from ..bridge.paint.unwrap import unwrap
     from ..bridge.quiet import quiet_stdout
 
     with quiet_stdout():
         objects = open_models(
             args.model, args.object, args.up, args.height_mm, scale=args.scale, rotate_deg=rotation(args)
         )
-        for each in objects if args.unwrap else ():
-            if each.type == "MESH" and not each.data.uv_layers:
-                unwrap(each, args.unwrap)
+        images, notes = chosen_pictures(objects, args, settings)
         named = {SupportMark.ENFORCER: args.support_enforcer, SupportMark.BLOCKER: args.support_blocker}
         markers = [
             (open_marker(name, objects[0], args.up, rotation(args)), mark)
             for mark, names in named.items()
             for name in names
         ]
-        image = load_image(args.texture) if args.texture else None
-    lines = summary(produce(objects, image, settings, files, picture_options(args), markers))
+    lines = summary(produce(objects, images, settings, files, picture_options(args), markers)) + notes
     return lines if files.paths else [*lines, NOTHING]

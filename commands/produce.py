@@ -55,7 +55,7 @@ def named_outputs(args: argparse.Namespace) -> dict[str, Path]:
 
 def produce(
     objects: Sequence[bpy.types.Object],
-    image: bpy.types.Image | None,
+    images: Sequence[bpy.types.Image | None],
     settings: PrintSettings,
     files: OutputFiles,
     pictures: PictureOptions,
@@ -65,7 +65,7 @@ def produce(
 
     Args:
         objects: to print together; the first one gives the print its name.
-        image: a picture instead of the objects' own, or None.
+        images: for each object a picture instead of its own, or None.
         settings: of the print.
         files: the outputs that are wanted; their kinds are names of `OUTPUTS` and pictures.
         pictures: how pictures are taken.
@@ -82,7 +82,7 @@ def produce(
     from ..core import pipeline
 
     keep_scene_files(files, settings)
-    model = plate_model(objects, bpy.context.evaluated_depsgraph_get(), settings, [image] * len(objects), markers)
+    model = plate_model(objects, bpy.context.evaluated_depsgraph_get(), settings, images, markers)
     with Progress() as progress:
         result = pipeline.generate(model, settings, progress.show, begin_gcode="gcode" in files.paths)
         with quiet_stdout():

@@ -45,5 +45,5 @@ def run(args: argparse.Namespace, files: OutputFiles) -> list[str]:
         bpy.ops.wm.read_factory_settings(use_empty=True)
         use_millimeters(bpy.context.scene)
         obj = tile_object(settings)
-    lines = summary(produce([obj], None, settings, files, picture_options(args)))
+    lines = summary(produce([obj], [None], settings, files, picture_options(args)))
     return lines if files.paths else [*lines, NOTHING]

@@ -129,8 +129,8 @@ class DUALCOLOR_OT_bake_material(JobOperator, bpy.types.Operator):
 
     def steps(self, context: bpy.types.Context) -> Steps:
         """Bake, then print the picture."""
-        obj = context.object
-        job = material_bake_steps(obj, obj.dualcolor.layer_height / 2, obj.dualcolor.background_tone)
+        obj, own = context.object, context.object.dualcolor
+        job = material_bake_steps(obj, own.layer_height / 2, own.background_tone, own.printer)
         made, note = yield from translated(job, lambda share: (share, "baking the material"))
         obj.dualcolor.image = made
         self.outcome = "WARNING" if note else "INFO"
@@ -174,7 +174,7 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         """Bake, then exchange the picture; an object without one gets a white one first."""
         obj = context.object
         former = picture_of(obj)
-        side = picture_size(obj, obj.dualcolor.layer_height / 2)
+        side = picture_size(obj, obj.dualcolor.layer_height / 2, obj.dualcolor.printer)
         size = image_size(former) if former else (side, side)
         uv_map = picture_uv(obj).name if former else ""
         job = occlusion_steps(obj, size, self.distance, self.samples, uv_map)

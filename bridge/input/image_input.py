@@ -78,7 +78,10 @@ def image_size(image: bpy.types.Image) -> tuple[int, int]:
             f"the image {image.name} is a movie or a sequence", "save one of its frames, and choose that"
         )
     if image.source == "TILED" and len(image.tiles) > 1:
-        raise TextureError(f"the image {image.name} has several tiles", "bake them into one (Paint > Bake Material)")
+        raise TextureError(
+            f"the image {image.name} has several tiles",
+            "bake them into one (in Blender: Paint > Bake Material; on the command line: --bake-material)",
+        )
     if not image.has_data:  # asking for the size would decode it
         check_texels(image.name, _texels_undecoded(image))
     width, height = image.size

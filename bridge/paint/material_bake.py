@@ -24,7 +24,7 @@ REPEATED = "modifiers repeat the UV map, so all that they repeat prints alike"
 
 
 def material_bake_steps(
-    obj: bpy.types.Object, texel_mm: float, background_tone: float
+    obj: bpy.types.Object, texel_mm: float, background_tone: float, printer: str
 ) -> Generator[float, None, tuple[bpy.types.Image, str]]:
     """Make a packed picture of the colors that an object's materials show, without any light; yields the share done.
 
@@ -35,6 +35,7 @@ def material_bake_steps(
         obj: a mesh object with faces.
         texel_mm: greatest side of a texel on the surface.
         background_tone: what shows where the materials are transparent.
+        printer: name of the one that prints it; larger objects count as large as it can print.
 
     Returns:
         The picture, and a sentence about what it cannot hold, empty if there is nothing.
@@ -50,7 +51,7 @@ def material_bake_steps(
         _render_as_seen(copy)
         yield 0.05
         made_uv = _fitting_uv_map(obj, scene, copy)
-        side = picture_size(copy, texel_mm)
+        side = picture_size(copy, texel_mm, printer)
         repeated = _with_all_materials(scene, copy)
         yield 0.1
         with bake_target((side, side), background_tone) as target, _unlit(obj, copy, background_tone) as materials:

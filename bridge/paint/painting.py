@@ -47,7 +47,7 @@ def set_up_painting(obj: bpy.types.Object, texel_mm: float, background_tone: flo
         smart_project(obj)
     image = picture_of(obj)
     if image is None:
-        image = give_picture(obj, picture_size(obj, texel_mm), background_tone)
+        image = give_picture(obj, picture_size(obj, texel_mm, obj.dualcolor.printer), background_tone)
     width, height = image_size(image)
     picture_uv(obj).active = True  # by which strokes go
     if obj.mode != "TEXTURE_PAINT":
@@ -109,7 +109,7 @@ def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bp
         paint.canvas = picture
 
 
-def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
+def picture_size(obj: bpy.types.Object, texel_mm: float, printer: str) -> int:
     """Side of a square picture, a power of two, whose texels are no larger than `texel_mm` on the surface.
 
     Objects too large for the printer count as large as it can print: the cube of a new scene is two meters wide.
@@ -117,9 +117,9 @@ def picture_size(obj: bpy.types.Object, texel_mm: float) -> int:
     Raises:
         TextureError: the UV map has no area.
     """
-    printer = printer_profile(obj.dualcolor.printer)
+    profile = printer_profile(printer)
     size = np.ptp(bounds_mm([obj]), axis=0)
-    too_large = max(1.0, float((size / np.subtract(printer.reach_max, printer.reach_min)).max()))
+    too_large = max(1.0, float((size / np.subtract(profile.reach_max, profile.reach_min)).max()))
     texels = _side_mm(obj) / texel_mm / too_large
     return int(min(max(2 ** math.ceil(math.log2(max(texels, 1.0))), SMALLEST), LARGEST))
 

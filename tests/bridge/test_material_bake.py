@@ -23,7 +23,7 @@ def counts():
 
 def baked(obj, background=0.5):
     """The light (H, W, 3) of the picture, and the note beside it."""
-    image, note = drained(material_bake_steps(obj, 0.25, background))
+    image, note = drained(material_bake_steps(obj, 0.25, background, "replicator_2x"))
     pixels = np.array(image.pixels[:]).reshape(*image.size, 4)
     return linear_from_srgb(pixels[..., :3]), note
 
@@ -187,7 +187,7 @@ def test_stopped_in_between_nothing_is_left():
     box = add_box((20, 20, 20))
     add_material(box, color=GRAY)
     before = counts()
-    job = material_bake_steps(box, 0.25, 0.5)
+    job = material_bake_steps(box, 0.25, 0.5, "replicator_2x")
     for _ in range(2):
         next(job)
     job.close()

@@ -77,9 +77,9 @@ def test_large_pictures_are_graded_and_darkened_in_little_memory(registered):
 def test_picture_has_texels_no_larger_than_asked(registered):
     box = add_box((100, 100, 100))
     add_uvs(box)  # each face fills the square
-    assert picture_size(box, 0.5) == 256  # 200 texels are needed
-    assert picture_size(box, 0.125) == 1024  # 800 are needed
-    assert picture_size(box, 0.19) == 1024  # 526, more than 512
+    assert picture_size(box, 0.5, "replicator_2x") == 256  # 200 texels are needed
+    assert picture_size(box, 0.125, "replicator_2x") == 1024  # 800 are needed
+    assert picture_size(box, 0.19, "replicator_2x") == 1024  # 526, more than 512
 
 
 def test_a_picture_for_an_object_that_is_too_large_is_as_fine_as_its_print(registered):
@@ -89,10 +89,10 @@ def test_a_picture_for_an_object_that_is_too_large_is_as_fine_as_its_print(regis
     printer = printer_profile(box.dualcolor.printer)
     room = min(np.subtract(printer.reach_max, printer.reach_min))
     assert 128 <= room < 160  # of which 0.25 mm are 512 to 640 texels
-    assert picture_size(box, 0.25) == 1024
+    assert picture_size(box, 0.25, "replicator_2x") == 1024
     box.scale = (0.5, 0.5, 0.5)
     bpy.context.view_layer.update()
-    assert picture_size(box, 0.25) == 1024
+    assert picture_size(box, 0.25, "replicator_2x") == 1024
 
 
 def test_painting_is_set_up_on_a_bare_mesh(registered):

@@ -12,6 +12,7 @@ from dualcolor import cli
 from dualcolor.commands import analyze
 from dualcolor.tests.commands.models import FAST
 from dualcolor.tests.gpx import convert
+from dualcolor.tests.scene import add_box, add_material, fresh
 from PIL import Image
 
 from launcher import ROOT
@@ -60,6 +61,26 @@ def test_texture_and_unwrap_give_tones(box, tmp_path, capfd):
     assert cli.main([*command, "--unwrap", "smart"]) == 0
     with np.load(dump) as arrays:
         np.testing.assert_allclose(arrays["tone"], 1.0, atol=1e-3)
+
+
+def test_a_material_made_by_nodes_is_printed_once_it_is_baked(tmp_path, capfd):
+    fresh()
+    _, tree = add_material(add_box((20, 20, 20)), None)
+    white = tree.nodes.new("ShaderNodeInvert")
+    white.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    principled = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
+    tree.links.new(white.outputs["Color"], principled.inputs["Base Color"])
+    model, dump = tmp_path / "box.blend", tmp_path / "box.npz"
+    bpy.ops.wm.save_as_mainfile(filepath=str(model))
+    command = ["print", str(model), *FAST, "--dump", str(dump)]
+    for options, tone, told in ([], 0.5, True), (["--bake-material"], 1.0, False):
+        assert cli.main([*command, *options]) == 0
+        assert ("--bake-material" in capfd.readouterr().out) == told
+        with np.load(dump) as arrays:
+            np.testing.assert_allclose(arrays["tone"], tone, atol=1e-3)
+    report = tmp_path / "found.json"
+    assert cli.main(["analyze", str(model), *FAST, "--bake-material", "--report", str(report)]) == 0
+    assert "--bake-material" not in capfd.readouterr().out
 
 
 @pytest.mark.parametrize("height", [[], ["--height-mm", "36"]])
