@@ -29,7 +29,7 @@ def chosen_pictures(
     from ..bridge.paint.material_bake import material_bake_steps
     from ..bridge.paint.unwrap import unwrap
 
-    meshes = [each for each in objects if each.type == "MESH"]
+    meshes = [each for each in dict.fromkeys(objects) if each.type == "MESH"]  # one may be named twice
     for mesh in meshes if args.unwrap else ():
         if not mesh.data.uv_layers:
             unwrap(mesh, args.unwrap)
@@ -40,4 +40,4 @@ def chosen_pictures(
             texel_mm, tone = settings.layer_height / 2, settings.background_tone
             pictures[mesh], note = drained(material_bake_steps(mesh, texel_mm, tone, settings.printer))
             warnings += [f"warning: {mesh.name}: {note}"] if note else []
-    return list(pictures.values()), warnings
+    return [pictures[each] for each in objects], warnings

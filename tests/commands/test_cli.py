@@ -83,6 +83,16 @@ def test_a_material_made_by_nodes_is_printed_once_it_is_baked(tmp_path, capfd):
     assert "--bake-material" not in capfd.readouterr().out
 
 
+def test_an_object_may_be_named_twice(tmp_path, capfd):
+    fresh()
+    name = add_box((20, 20, 20)).name
+    model = tmp_path / "box.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(model))
+    for options in ([], ["--bake-material"]):
+        assert cli.main(["print", str(model), *FAST, "--object", name, "--object", name, *options]) == 0
+        assert "plate of 2 objects" in capfd.readouterr().out
+
+
 @pytest.mark.parametrize("height", [[], ["--height-mm", "36"]])
 def test_suggested_orientations_can_be_printed(tmp_path, capfd, height):
     """A wedge: the options that `analyze` gives turn it into what was promised."""
