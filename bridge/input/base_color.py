@@ -11,7 +11,8 @@ from ...core.records import dataclass
 Groups = tuple[bpy.types.Node, ...]
 COLOR_INPUT = {"BSDF_PRINCIPLED": "Base Color", "BSDF_DIFFUSE": "Color", "EMISSION": "Color"}
 _ATTRIBUTES = {"VERTEX_COLOR": "layer_name", "ATTRIBUTE": "attribute_name"}
-BAKE_HINT = "bake it to print what is seen (in Blender: Paint > Bake Material; on the command line: --bake-material)"
+HOW_TO_BAKE = "(in Blender: Paint > Bake Material; on the command line: --bake-material)"
+BAKE_HINT = f"bake it to print what is seen {HOW_TO_BAKE}"
 _HARMLESS = ("REROUTE", "RGBTOBW")  # what prints is gray anyway
 
 

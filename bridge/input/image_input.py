@@ -15,6 +15,7 @@ from ...core.texture.decode import tone_image
 from ...core.texture.exif_orientation import orientation_of_file, upright
 from ...core.texture.image_size import check_texels, texels, texels_of_file
 from ..quiet import quiet_stderr
+from .base_color import HOW_TO_BAKE
 
 RAW_COLOR_SPACES = ("Non-Color", "Raw", "Generic Data", "ACES2065-1", "ACEScg", "Working Space")
 """Color spaces whose values are proportional to light, beside those whose name begins with "Linear"."""
@@ -78,10 +79,7 @@ def image_size(image: bpy.types.Image) -> tuple[int, int]:
             f"the image {image.name} is a movie or a sequence", "save one of its frames, and choose that"
         )
     if image.source == "TILED" and len(image.tiles) > 1:
-        raise TextureError(
-            f"the image {image.name} has several tiles",
-            "bake them into one (in Blender: Paint > Bake Material; on the command line: --bake-material)",
-        )
+        raise TextureError(f"the image {image.name} has several tiles", f"bake them into one {HOW_TO_BAKE}")
     if not image.has_data:  # asking for the size would decode it
         check_texels(image.name, _texels_undecoded(image))
     width, height = image.size

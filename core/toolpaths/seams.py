@@ -25,7 +25,7 @@ def seam_offsets(paths: Paths, settings: PrintSettings) -> IntArray:
     depends on the way of the nozzle and is found when paths are put in order; until then it is the rear.
     """
     if settings.seam_position in ("rear", "nearest"):
-        rear = nearest(-np.einsum("ij,j", paths.points, _REAR), paths.start)[0] - paths.start[:-1]
+        rear = nearest(-_rearwards(paths.points), paths.start)[0] - paths.start[:-1]
         return np.where(has_seam(paths), rear, 0)
     offset = np.zeros(len(paths.layer), dtype=np.int64)
     closed = np.flatnonzero(has_seam(paths))
@@ -97,12 +97,11 @@ def _depths(points: FloatArray, start: IntArray, reach: float) -> FloatArray:
 
 def _distance_to(points: FloatArray, seams: FloatArray) -> FloatArray:
     if len(seams) == 0:
-        return np.asarray(-np.einsum("ij,j", points, _REAR))
+        return -_rearwards(points)
     away = points[:, None] - seams[None]
     return np.asarray((away**2).sum(axis=2).min(axis=1))
 
 
 def _rearwards(points: FloatArray) -> FloatArray:
     """(N,) how far points (N, 2) lie to the rear; `@` would wake the threads of OpenBLAS, which then spin."""
-    x, y = points.T
-    return np.asarray(_REAR[0] * x + _REAR[1] * y)
+    return np.asarray(np.einsum("ij,j", points, _REAR))
