@@ -15,6 +15,7 @@ from typing import Protocol, TextIO
 from .commands import analyze, audit, build_table, demo, measure, plate, read_photo, render, tile
 from .commands import print as print_command
 from .commands.terminal import file_size
+from .core.companions import companions
 from .core.errors import PrintError
 from .core.files import OutputFiles, ended_by_signals, keep_inputs
 from .core.settings import PrintSettings
@@ -116,10 +117,11 @@ def _unknown(arguments: Sequence[str]) -> str:
 
 
 def _inputs(args: argparse.Namespace) -> list[Path]:
-    """The files that are named to be read."""
+    """The files that are named to be read, and those that models among them name."""
     values = [getattr(args, name, None) for name in READ]
     named = [each for value in values for each in (value if isinstance(value, list) else [value])]
-    return [Path(each) for each in named if each is not None]
+    paths = [Path(each) for each in named if each is not None]
+    return paths + [each for path in paths for each in companions(path)]
 
 
 def _say(lines: Sequence[str]) -> int:

@@ -16,7 +16,7 @@ from ...core.files import title
 from ..mesh_data import positions
 from ..quiet import quiet_stderr
 from ..units import mm_per_unit, use_millimeters
-from .file_heads import check_head
+from .file_heads import check_head, legible
 from .mesh_input import evaluated_mesh
 
 UP_AXIS = {".blend": "z", ".obj": "y", ".stl": "z", ".ply": "z", ".glb": "y", ".gltf": "y"}
@@ -174,7 +174,8 @@ def _read(path: Path, kind: str) -> None:
             with quiet_stderr():  # we report missing pictures ourselves
                 bpy.ops.wm.obj_import(filepath=name, **axes)
         elif kind == ".stl":
-            bpy.ops.wm.stl_import(filepath=name, **axes)
+            with legible(path.resolve()) as text:
+                bpy.ops.wm.stl_import(filepath=str(text), **axes)
         elif kind == ".ply":
             bpy.ops.wm.ply_import(filepath=name, **axes)
         else:

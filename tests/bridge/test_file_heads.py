@@ -8,6 +8,7 @@ import pytest
 from dualcolor.bridge.input.file_heads import check_head
 from dualcolor.bridge.input.model_file import open_model
 from dualcolor.core.errors import MeshError, PrintError
+from dualcolor.tests.scene import model_of, volume
 
 HEADER = "ply\nformat {kind} 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n"
 FACES = "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
@@ -40,7 +41,29 @@ def test_headers_without_end_and_lines_without_end(tmp_path):
     check_head(written(path, lines.replace("ascii", "binary_little_endian") + "\0" * 100_000))
 
 
-@pytest.mark.parametrize(("name", "word"), [("a.obj", "v"), ("a.stl", "      vertex"), ("A.OBJ", "v ")])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("spelled", [str.lower, str.upper, str.title])
+def test_stl_in_capitals_and_with_any_line_ends(tmp_path, spelled, end):
+    corners = [(0, 0, 0), (4, 0, 0), (0, 3, 0), (0, 0, 2)]
+    lines = ["solid a"]
+    for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)):
+        around = [f"vertex {x:e} {y:e} {z:e}" for x, y, z in (corners[corner] for corner in face)]
+        lines += ["facet normal 0 0 0", "outer loop", *around, "endloop", "endfacet"]
+    path = written(tmp_path / "Part.stl", end.join(map(spelled, [*lines, "endsolid a", ""])))
+    obj = open_model(path)
+    assert volume(model_of(obj)) == pytest.approx(4) and obj.name == "Part"
+    assert [each.name for each in tmp_path.iterdir()] == ["Part.stl"]
+
+
+@pytest.mark.parametrize("name", ["a.obj", "a.ply"])
+def test_line_ends_of_old(tmp_path, name):
+    with pytest.raises(MeshError, match="line ends that Blender cannot read: save it with those of Unix or Windows"):
+        check_head(written(tmp_path / name, "ply\rv 0 0 0\rend_header\r"))
+
+
+@pytest.mark.parametrize(
+    ("name", "word"), [("a.obj", "v"), ("a.stl", "      vertex"), ("A.OBJ", "v "), ("a.stl", "VERTEX")]
+)
 def test_decimal_commas(tmp_path, name, word):
     with pytest.raises(MeshError, match="has decimal commas in its coordinates: export it with decimal points"):
         check_head(written(tmp_path / name, f"# a, b\n{word} 1.0 -2,5 0\n"))

@@ -96,6 +96,7 @@ def test_a_model_keeps_its_pictures_and_a_print_its_tone_table(box, tmp_path, re
                 file.write(f"f {corners}\n")
     assert "spots.png is read by this job" in refused("print", box, *FAST, "--render", tmp_path / "spots.png")
     assert "spots.png is read by this job" in refused("analyze", box, *FAST, "--slopes", tmp_path / "spots.png")
+    assert "box.mtl is read by this job" in refused("print", box, *FAST, "--gcode", tmp_path / "box.mtl")
     table = tmp_path / "table.json"
     table.write_bytes((ROOT / "presets/calibration/offset/set_back_fine.json").read_bytes())
     own = ["--set", "calibration=file", "--set", f"calibration_file={table}"]
