@@ -76,8 +76,8 @@ def _picture(name: str, light: Float32Array) -> bpy.types.Image:
 
 
 def _render_as_seen(copy: bpy.types.Object) -> None:
-    """Have the renderer see the modifiers as the viewport does, which is what is printed."""
-    copy.hide_render = False
+    """Have the renderer see the object and its modifiers as the viewport does, which is what is printed."""
+    copy.hide_render = copy.is_holdout = copy.is_shadow_catcher = False
     for modifier in copy.modifiers:
         modifier.show_render = modifier.show_viewport
         if modifier.type in ("SUBSURF", "MULTIRES"):

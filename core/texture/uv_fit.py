@@ -24,7 +24,8 @@ def is_one_to_one(face_uv: FloatArray, face_area: FloatArray) -> bool:
         face_area: (T,) on the surface, in any unit.
     """
     room, surface = np.abs(uv_areas(face_uv)), float(face_area.sum())
-    if not room.sum() > 0 or face_uv.min() < -_OUTSIDE or face_uv.max() > 1.0 + _OUTSIDE:
+    own = (1.0 - _TWICE) * float(room.sum())  # of the picture, at least, where hardly any lies on others
+    if not 0 < own <= 1.0 or face_uv.min() < -_OUTSIDE or face_uv.max() > 1.0 + _OUTSIDE:
         return False
     lost = room < _LEAST_ROOM * face_area * (room.sum() / surface) if surface > 0 else np.zeros(0, dtype=bool)
     if face_area[lost].sum() > _LOST * surface:
@@ -34,4 +35,4 @@ def is_one_to_one(face_uv: FloatArray, face_area: FloatArray) -> bool:
     cell = np.clip((place * _CELLS).astype(np.int64), 0, _CELLS - 1)
     covered = np.zeros(_CELLS * _CELLS, dtype=bool)
     covered[cell[:, 1] * _CELLS + cell[:, 0]] = True
-    return bool(np.count_nonzero(covered) >= (1.0 - _TWICE) * room.sum() * _CELLS**2)
+    return bool(np.count_nonzero(covered) >= own * _CELLS**2)

@@ -183,6 +183,13 @@ def test_what_modifiers_repeat_is_told_of(square):
     assert "repeat" in baked(square)[1]
 
 
+@pytest.mark.parametrize("look", ["is_holdout", "is_shadow_catcher", "hide_render"])
+def test_how_an_object_takes_part_in_renders_does_not_matter(square, look):
+    add_material(square, color=GRAY)
+    setattr(square, look, True)
+    assert middle(baked(square)[0]) == pytest.approx(GRAY[:3], abs=0.01)
+
+
 def test_stopped_in_between_nothing_is_left():
     box = add_box((20, 20, 20))
     add_material(box, color=GRAY)

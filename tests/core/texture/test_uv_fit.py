@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from dualcolor.core.texture import uv_fit
 from dualcolor.core.texture.uv_fit import is_one_to_one
 
 CHARTS = 400  # small squares in rows, with gaps as wide as a tenth of them
@@ -47,3 +48,10 @@ def test_faces_without_room_are_not_unless_they_are_tiny(area):
 
 def test_a_map_without_any_area_is_not(area):
     assert not is_one_to_one(np.zeros_like(charts()), area)
+
+
+def test_faces_that_all_fill_the_picture_are_told_by_their_area(monkeypatch):
+    """As after Blender's Reset; points on 2000 such faces would take gigabytes."""
+    monkeypatch.setattr(uv_fit, "points_on_faces", lambda *_: pytest.fail("not needed"))
+    full = np.tile([[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]], (1000, 1, 1))
+    assert not uv_fit.is_one_to_one(full, np.ones(2000))
