@@ -8,10 +8,10 @@ from typing import Any
 
 from .gcode.writer import BegunText, begin_text
 from .job.findings import findings
+from .job.move_stages import summary, summary_anew
 from .job.path_stages import path_stages
 from .job.stage_cache import StageCache
 from .job.stages import Stages
-from .job.toolpaths import summary, summary_anew
 from .job.wall_stages import wall_stages
 from .model import FloatArray, SurfaceModel, TriangleMesh
 from .pattern.wave import WavedOutlines

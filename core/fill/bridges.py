@@ -35,6 +35,10 @@ class Bridges:
     island: IntArray
     angle_deg: FloatArray
 
+    def selected(self, keep: BoolArray) -> Bridges:
+        """The bridges that `keep` (B,) marks."""
+        return Bridges(self.regions[keep], self.island[keep], self.angle_deg[keep])
+
 
 def bridges(inside: Shapes, found: Skins, outlines: Shapes, island_layer: IntArray, settings: PrintSettings) -> Bridges:
     """Find the skins that nothing lies under and that two sides hold.

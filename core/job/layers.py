@@ -81,7 +81,7 @@ def some(table: Table, layers: BoolArray) -> Table:
     return joined([between(table, first, last) for first, last in runs(layers)])
 
 
-def spliced(former: Table, fresh: Table, layers: BoolArray) -> Table:
-    """The layers marked (L,) of a fresh table, the others of the former one."""
+def spliced(former: Table, anew: Table, layers: BoolArray) -> Table:
+    """The layers marked (L,) of the new table, the others of the former one."""
     edges = [0, *(np.flatnonzero(layers[1:] != layers[:-1]) + 1).tolist(), len(layers)]
-    return joined([between(fresh if layers[first] else former, first, last) for first, last in pairwise(edges)])
+    return joined([between(anew if layers[first] else former, first, last) for first, last in pairwise(edges)])

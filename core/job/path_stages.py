@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Generator
 from concurrent.futures import Future
 from dataclasses import replace
+from functools import partial
 
-from shapely import Geometry, get_parts
+import numpy as np
+from shapely import Geometry, Polygon, get_parts
 
 from ..contours.contours import Contours
+from ..fill.bridges import Bridges
 from ..fill.paths import fill_areas, fill_lines, wall_areas
+from ..model import BoolArray, IntArray, Shapes
 from ..paths import Paths
 from ..printability.slopes import slope_report
 from ..printability.thin_features import ThinFeatures, thin_features
@@ -22,18 +26,15 @@ from ..supports.grid_overlay import distinct
 from ..supports.supports import Supports, on_bed, supports
 from ..toolpaths.moves import Moves
 from ..toolpaths.order import OrderedPaths
-from ..toolpaths.outer_wall import outer_wall_paths, straight_parts
+from ..toolpaths.outer_wall import inside_of_wall, outer_wall_paths, straight_parts
 from ..toolpaths.overhangs import Below
 from ..toolpaths.raft import raised
 from ..toolpaths.surroundings import ground, shadow, surrounding_paths
 from ..toolpaths.travels import Rooms, rooms
-from .anew import by_islands, filled_anew, inside_lines
+from .changed_layers import LayerRows
+from .move_stages import ToneFree, in_order, in_order_anew, moves_along, moves_along_anew
 from .stages import Stages
-from .toolpaths import Surrounded, in_order, in_order_anew, moves_along, moves_along_anew
 from .wall_stages import PaintedWall
-
-# Outlines behind the wave may differ from the true ones by this much, mm.
-FILL_TOLERANCE = 0.03
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class PrintedPaths:
 
     fill: Paths
     within: Rooms
-    beside: Surrounded
+    beside: ToneFree
     moves: Moves
     ordered: OrderedPaths
     single_color: Future[SingleColor]
@@ -67,41 +68,37 @@ def path_stages(wall: PaintedWall, settings: PrintSettings, stages: Stages) -> G
     Raises:
         PrintError: the print does not fit the printer.
     """
-    run, layered, along, aside = stages.run, stages.run_layers, stages.run_along_lines, stages.aside
+    run_layers, aside = stages.run_layers, stages.aside
     cut, lines = wall.cut, wall.lines
     yield stages.begin(0.6, "supports")
     spanned = wall.beside.bridges.result() if settings.support_enable and settings.dont_support_bridges else None
-    holding = run("supports", supports, wall.mesh, cut, lines, wall.depth, settings, spanned)
+    support = stages.run("supports", supports, wall.mesh, cut, lines, wall.depth, settings, spanned)
     outer = outer_wall_paths(wall.outlines)
-    shade = aside("shadow", _shadow, lines, holding, settings)
-    last = int(max(paths.layer.max(initial=0) for paths in (outer, holding.paths)))
-    around = aside("surroundings", _surroundings, shade, cut, holding, outer.first_layer, last, settings)
+    shade = aside("shadow", _shadow, lines, support, settings)
+    last = int(max(paths.layer.max(initial=0) for paths in (outer, support.paths)))
+    around = aside("surroundings", _surroundings, shade, cut, support, outer.first_layer, last, settings)
     yield stages.begin(0.65, "fill")
     island_layer = cut.polygon_layer
+    by_rows, count = partial(stages.run_rows, LayerRows(lines, island_layer)), len(island_layer)
     of_wall = (wall.outlines, lines, wall.depth, wall.set_back)
-    waves, count = bool(wall.depth.any()), len(island_layer)
-    inside = along("inside", inside_lines, of_wall, waves, count, FILL_TOLERANCE)
-    straight = along("straight parts", straight_parts, of_wall[1:], count, settings)
-    walls = layered(
-        "inner walls", wall_areas, by_islands(wall_areas, island_layer), (inside, straight, island_layer), settings
-    )
+    inside = by_rows("inside", inside_of_wall, of_wall, count, settings)
+    straight = by_rows("straight parts", straight_parts, of_wall[1:], count, settings)
+    walls = by_rows("inner walls", wall_areas, (inside, straight, island_layer), settings)
     known = wall.beside.closing.result()
-    skins = known.skins.regions, known.skins.whole
-    areas = layered("areas", fill_areas, by_islands(fill_areas, island_layer), (walls[-1],), *skins, settings)
-    fill = layered(
-        "fill", fill_lines, filled_anew, (walls, areas), wall.beside.bridges.result(), island_layer, settings
-    )
+    areas = by_rows("areas", fill_areas, (walls[-1],), known.skins.regions, known.skins.whole, settings)
+    over_air = wall.beside.bridges.result()
+    fill = run_layers("fill", fill_lines, _fill_lines_anew, (walls, areas), over_air, island_layer, settings)
     within = rooms(inside, island_layer, known.outlines)
     yield stages.begin(0.75, "toolpaths")
     below = Below(wall.beside.undersides.result(), known.outlines)
-    beside = Surrounded(holding.paths, around.result(), below)
-    paths = layered("order", in_order, in_order_anew, (outer, fill), beside, settings)
+    beside = ToneFree(support.paths, around.result(), below)
+    paths = run_layers("order", in_order, in_order_anew, (outer, fill), beside, settings)
     # Not before: two threads of many short numpy calls take longer together than one after the other.
     slopes = aside("slope report", slope_report, wall.beside.paint)
     thin = aside("thin features", thin_features, cut, lines, settings)
-    inner = Paths.joined([fill, holding.paths])
+    inner = Paths.joined([fill, support.paths])
     alone = aside("single color", single_color, wall.outlines, inner, cut.layers, settings, within, below)
-    moves = layered("toolpaths", moves_along, moves_along_anew, (paths, within), cut.layers, settings)
+    moves = run_layers("toolpaths", moves_along, moves_along_anew, (paths, within), cut.layers, settings)
     return PrintedPaths(fill, within, beside, moves, paths, alone, thin, slopes)
 
 
@@ -111,15 +108,31 @@ def moves_without_swaps(wall: PaintedWall, paths: PrintedPaths, settings: PrintS
     return moves_along(in_order(outer, paths.fill, paths.beside, settings), paths.within, wall.cut.layers, settings)
 
 
-def _shadow(lines: Contours, holding: Supports, settings: PrintSettings) -> Geometry:
+def _fill_lines_anew(
+    former: Paths,
+    changed: BoolArray,
+    walls: tuple[Shapes, ...],
+    fill: tuple[Shapes, ...],
+    over_air: Bridges,
+    island_layer: IntArray,
+    settings: PrintSettings,
+) -> Paths:
+    """As `fill_lines`; see `changed_layers.py`. Islands keep their numbers, so those of other layers are left empty."""
+    own = changed[island_layer]
+    walls, fill = (tuple(np.where(own, column, Polygon()) for column in areas) for areas in (walls, fill))
+    lines = fill_lines(walls, fill, over_air.selected(own[over_air.island]), island_layer, settings)
+    return Paths.joined([former.selected(~changed[former.layer]), lines])
+
+
+def _shadow(lines: Contours, support: Supports, settings: PrintSettings) -> Geometry:
     # Columns hardly change from layer to layer.
-    return shadow(lines.points, distinct(get_parts(holding.areas)), settings)
+    return shadow(lines.points, distinct(get_parts(support.areas)), settings)
 
 
 def _surroundings(
-    shade: Geometry, cut: Slices, holding: Supports, wall: Paths, last: int, settings: PrintSettings
+    shade: Geometry, cut: Slices, support: Supports, wall: Paths, last: int, settings: PrintSettings
 ) -> Paths:
-    first = on_bed(cut.regions[0], holding.areas[0], settings)
+    first = on_bed(cut.regions[0], support.areas[0], settings)
     # A tip may end below the top of the mesh, where it is thinner than a strand; so does what stands beside it.
     layers = raised(cut.layers.up_to(last), settings)
     return surrounding_paths(ground(shade, first, wall, settings), layers, settings)

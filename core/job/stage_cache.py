@@ -4,6 +4,9 @@ What a stage reads is not declared but watched: its settings are handed over as 
 asked for. A stage that is given the same arrays and the same values of those settings goes the same way and gives the
 same result, so nothing can be forgotten when a stage learns to read another setting. Of a property, such as `is_solid`,
 its own value is noted and not the settings that it is made from, so a stage that asks no more is not in their way.
+
+Where a stroke of the brush changes a few layers only, `compare_layers` finds out which, from the pictures or the walls;
+the stages after it, whose inputs differ on no other layers then, are run on these alone by `run_layers`.
 """
 
 from __future__ import annotations
@@ -30,7 +33,7 @@ _NOTES, _ORIGINAL = "_notes", "_original"
 MOST_BYTES = 1 << 30
 _BYTES_A_GEOMETRY = 200
 _BLOCK_WORDS = 1 << 15
-_MOST_FRESH = 0.8  # of all layers; more are not worth it to keep the others
+_MOST_CHANGED = 0.8  # of all layers; more are not worth it to keep the others
 
 
 @dataclass(frozen=True)
@@ -52,8 +55,8 @@ class StageCache:
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
         self._most_bytes = most_bytes
         self._held: dict[str, _Held] = {}
-        self._fresh: BoolArray | None = None  # layers, as `compare_layers` has found; None for all
-        # What this run and the last one went through layer by layer: only what both did belongs together.
+        self._changed: BoolArray | None = None  # (L,) layers that differ from those of the last run; None for all
+        # What this run and the last one compared or ran by layers: the results of one of them only do not fit together.
         self._layered: set[str] = set()
         self._layered_before: set[str] = set()
         self._has_ended = False
@@ -73,10 +76,10 @@ class StageCache:
     def begin(self) -> None:
         """A run begins: nothing is known of it, nor of one that did not end."""
         self._layered_before, self._layered = self._layered if self._has_ended else set(), set()
-        self._has_ended, self._fresh = False, None
+        self._has_ended, self._changed = False, None
 
     def compare_layers(
-        self, name: str, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]
+        self, name: str, same: tuple[Any, ...], given: Result, differing: Callable[[Result], BoolArray | None]
     ) -> None:
         """Find out on which layers the stages run by `run_layers` after this are given something else than last time.
 
@@ -84,15 +87,15 @@ class StageCache:
             name: that what is given is kept under.
             same: what all layers depend on; if it is not what it was, all differ.
             given: what is to be compared.
-            fresh: from what was given last time to the (L,) layers that differ, or None for all.
+            differing: from what was given last time to the (L,) layers that differ, or None for all.
         """
-        held, self._fresh = self._of_last_run(name), None
+        held, self._changed = self._of_last_run(name), None
         self._held[name] = _Held(same, {}, given)
         if held and _same(held.arguments, same):
-            found = fresh(held.result)
+            found = differing(held.result)
             if found is not None:
                 found = without_gaps(found)
-                self._fresh = found if np.count_nonzero(found) <= _MOST_FRESH * len(found) else None
+                self._changed = found if np.count_nonzero(found) <= _MOST_CHANGED * len(found) else None
 
     def run_layers(
         self,
@@ -102,31 +105,32 @@ class StageCache:
         given: tuple[Any, ...],
         *arguments: Any,
     ) -> Result:
-        """As `run`, of what is made layer by layer from what `compare_layers` has looked at, or from what came of that.
+        """As `run`, but where that is possible only on the layers that have changed.
 
         Args:
             stage: the name that the result is kept under.
-            whole: the function, of what is given and the other arguments.
-            anew: the same, of the former result and the (L,) layers that differ before all else; see `anew.py`. None
-                where these layers change others.
-            given: made from what has been compared.
-            arguments: the others; where these are not what they were, nothing is kept.
+            whole: the function for all layers, of what is `given` and the other arguments.
+            anew: the same for some layers: before these arguments it takes the former result and the (L,) layers that
+                have changed, and it returns the new result of all layers, or None where these may change others too;
+                see `changed_layers.py`.
+            given: what `compare_layers` has compared, or what other stages have made of that by `run_layers`.
+            arguments: the others; where these are not what they were, all layers have changed.
         """
         _, settings, others = self._asked(stage, arguments)
         held = self._of_last_run(stage)
-        if self._fresh is not None and held and _is_read_alike(held, settings) and _same(held.arguments[1:], others):
-            if not self._fresh.any():
+        if self._changed is not None and held and _is_read_alike(held, settings) and _same(held.arguments[1:], others):
+            if not self._changed.any():
                 kept: Result = held.result
                 return kept
             read = dict(held.read)
             more = (_watched(settings, read) if one is settings and settings else one for one in arguments)
-            made = anew(held.result, self._fresh, *given, *more)
+            made = anew(held.result, self._changed, *given, *more)
             if made is not None:
                 self._held[stage] = _Held((given, *others), read, made)
                 return made
         result = self.run(stage, lambda given, *more: whole(*given, *more), given, *arguments)
-        if self._held[stage] is not held:  # what comes of it is new on all layers
-            self._fresh = None
+        if self._held.get(stage) is not held:  # what comes of it is new on all layers
+            self._changed = None
         return result
 
     def _of_last_run(self, name: str) -> _Held | None:
@@ -162,20 +166,9 @@ class NoCache(StageCache):
         return function(*arguments)
 
     def compare_layers(
-        self, name: str, same: tuple[Any, ...], given: Result, fresh: Callable[[Result], BoolArray | None]
+        self, name: str, same: tuple[Any, ...], given: Result, differing: Callable[[Result], BoolArray | None]
     ) -> None:
-        """There is nothing to compare with."""
-
-    def run_layers(
-        self,
-        stage: str,
-        whole: Callable[..., Result],
-        anew: Callable[..., Result | None],
-        given: tuple[Any, ...],
-        *arguments: Any,
-    ) -> Result:
-        """The function's result."""
-        return whole(*given, *arguments)
+        """There is nothing to compare with: all layers count as changed."""
 
 
 class _Watched(PrintSettings):

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..progress import Progress
-from .anew import along_lines
+from .changed_layers import LayerRows
 from .clock import StageClock, peak_rss_mb
 from .stage_cache import NoCache, StageCache
 
@@ -65,11 +65,11 @@ class Stages:
         if self._collects:
             gc.enable()
 
-    def run_along_lines(
-        self, stage: str, whole: Callable[..., Result], given: tuple[Any, ...], *arguments: Any
+    def run_rows(
+        self, rows: LayerRows, stage: str, function: Callable[..., Result], given: tuple[Any, ...], *arguments: Any
     ) -> Result:
-        """As `run_layers`, of a function that works loop by loop, see `along_lines`."""
-        return self.run_layers(stage, whole, along_lines(whole), given, *arguments)
+        """As `run_layers`, of a function that makes every contour or every island by itself."""
+        return self.run_layers(stage, function, rows.only(function), given, *arguments)
 
     def begin(self, done: float, name: str) -> Progress:
         """The next stage begins; what a job's generator has to yield then."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..calibration.calibrate import tone_curve
+from ..calibration.calibrate import ToneCurve, tone_curve
 from ..contours.contours import Contours, average_along_wall, contours, reach_of
 from ..contours.slant import slant_along
 from ..fill.bridges import Bridges
@@ -18,7 +18,8 @@ from ..fill.closing import Closing, bridges_in, closing
 from ..mesh.triangles import triangulate
 from ..model import BoolArray, FloatArray, SurfaceModel, ToneImage, TriangleMesh
 from ..pattern.solid_regions import left_to_other_tool, solid_regions, solid_report, with_solid_regions
-from ..pattern.wave import WavedOutlines, waved
+from ..pattern.strand_edges import widened
+from ..pattern.wave import WavedOutlines, modulated, waved
 from ..printability.slopes import FaceContrast, face_contrast
 from ..progress import Progress
 from ..records import dataclass
@@ -32,9 +33,10 @@ from ..settings import PrintSettings
 from ..slicing.slices import Slices, slices
 from ..texture.charts import uv_charts
 from ..texture.island_levels import island_levels
+from ..texture.lookup import tone_at
 from ..texture.pyramid import TexturePyramids, build_pyramids, sizes_of
 from ..toolpaths.overhangs import Undersides, undersides
-from .anew import painted_tone, print_tones, set_back_lines
+from .changed_layers import LayerRows
 from .repainted import other_layers, repainted_layers
 from .stages import Stages
 
@@ -101,7 +103,7 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     Raises:
         PrintError: the input cannot be printed.
     """
-    run, along, aside = stages.run, stages.run_along_lines, stages.aside
+    run, aside = stages.run, stages.aside
     yield stages.begin(0.0, "mesh")
     mesh = run("mesh", triangulate, _without_pictures(model), settings)
     painting = _pyramids(mesh, model, settings, stages)
@@ -124,18 +126,20 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     hanging = aside("undersides", undersides, mesh, cut.layers.plane, settings)
     beside = WorkBeside(closes, spanned, errors, paint, hanging)
     yield stages.begin(0.45, "tone")
-    tone = _tone(lines, samples, layers, mesh, model, painting, settings, stages) if early is None else early
+    rows = LayerRows(lines, cut.polygon_layer)
+    tone = _tone(rows, layers, mesh, model, painting, settings, stages) if early is None else early
     del painting  # as large as the moves that are to come
     yield stages.begin(0.5, "modulation")
     slant = run("slant", _slant, lines, mesh, settings.wavelength)
     curve, notes = run("tone curve", tone_curve, tone, settings)
-    printed = along("calibration", print_tones, (tone,), slant, lines, curve)
-    depth, set_back = along("modulation", set_back_lines, (printed,), lines, slant, settings)
+    by_rows = partial(stages.run_rows, rows)
+    printed = by_rows("calibration", _printed_tones, (tone,), slant, curve)
+    depth, set_back = by_rows("modulation", _depth_and_set_back, (printed,), lines, slant, settings)
     depth, set_back, swapped, solid = _solid_colors(lines, tone, slant, depth, set_back, projector, settings)
     columns = (tone, depth, set_back)
     stages.compare_layers("walls", (lines, samples), columns, partial(other_layers, columns, lines, layers))
     of_wave = (lines, samples, tone, depth, set_back)
-    outlines = along("wave", waved, of_wave, settings, swapped)
+    outlines = by_rows("wave", waved, of_wave, settings, swapped)
     return PaintedWall(
         mesh, cut, lines, samples, seen, printed, slant, depth, set_back, outlines, solid, notes, beside,
     )  # fmt: skip
@@ -159,6 +163,12 @@ def pattern_samples(
     return optimized_samples(lines, projector, settings, visibility)
 
 
+def painted_tone(pyramids: TexturePyramids, lines: Contours, settings: PrintSettings) -> FloatArray:
+    """(N,) tone of the pictures at every contour point."""
+    vertex_tone = lines.carried[:, 2] if lines.carried.shape[1] > 2 else None
+    return tone_at(pyramids, lines.face, lines.carried[:, :2], vertex_tone, settings.background_tone)
+
+
 def pattern_tone(lines: Contours, pyramids: TexturePyramids, settings: PrintSettings) -> FloatArray:
     """(N,) tone at every contour point, no finer than the pattern can show."""
     return _averaged(painted_tone(pyramids, lines, settings), lines, settings)
@@ -175,8 +185,7 @@ def _pyramids(
 
 
 def _tone(
-    lines: Contours,
-    samples: Samples,
+    rows: LayerRows,
     layers: int,
     mesh: TriangleMesh,
     model: SurfaceModel,
@@ -184,12 +193,12 @@ def _tone(
     settings: PrintSettings,
     stages: Stages,
 ) -> FloatArray:
-    """As `pattern_tone`, anew where the pictures differ; it finds out on which layers."""
-    same = mesh, lines, samples, settings.layer_height, settings.texture_filter
-    repainted = partial(repainted_layers, model.textures, painting, lines, layers)
+    """As `pattern_tone`, run again only on layers where the pictures have changed."""
+    same = mesh, rows.lines, settings.layer_height, settings.texture_filter
+    repainted = partial(repainted_layers, model.textures, painting, rows.lines, layers)
     stages.compare_layers("pictures", same, model.textures, repainted)
-    painted = stages.run_along_lines("tone", painted_tone, (painting.result(),), lines, settings)
-    return stages.run("average", _averaged, painted, lines, settings)
+    painted = stages.run_rows(rows, "tone", painted_tone, (painting.result(),), rows.lines, settings)
+    return stages.run("average", _averaged, painted, rows.lines, settings)
 
 
 def _averaged(tone: FloatArray, lines: Contours, settings: PrintSettings) -> FloatArray:
@@ -199,6 +208,19 @@ def _averaged(tone: FloatArray, lines: Contours, settings: PrintSettings) -> Flo
     # where it fades as the line is set back, the line can.
     share = 1.0 if settings.pattern == "wave" else 0.5
     return average_along_wall(tone, lines, settings.wavelength * share)
+
+
+def _printed_tones(tone: FloatArray, slant_deg: FloatArray, curve: ToneCurve | None) -> FloatArray:
+    """(N,) tones to print for those asked for (N,)."""
+    return tone if curve is None else curve.printed(tone, slant_deg)
+
+
+def _depth_and_set_back(
+    printed: FloatArray, lines: Contours, slant_deg: FloatArray, settings: PrintSettings
+) -> tuple[FloatArray, FloatArray]:
+    """(N,) depth of the waves and (N,) set-back, mm, by the tones to print (N,)."""
+    depth, set_back = modulated(lines, printed, slant_deg, settings)
+    return depth, widened(lines, printed, set_back, settings)
 
 
 def _solid_colors(

@@ -30,6 +30,13 @@ class Samples:
         start = np.searchsorted(arc, lines.arc_start)
         return Samples(arc, np.repeat(np.arange(len(lines.layer)), np.diff(start)), start)
 
+    def of_loops(self, loops: slice) -> Samples:
+        """Those of some contours that follow each other, which are numbered from 0 then."""
+        own = slice(*self.start[[loops.start, loops.stop]].tolist())
+        return Samples(
+            self.arc[own], self.loop[own] - loops.start, self.start[loops.start : loops.stop + 1] - own.start
+        )
+
     def spacing(self, lines: Contours) -> FloatArray:
         """(S,) mm along the contour from each sample to the next one of its loop."""
         return spacings(self.arc - lines.arc_start[self.loop], self.loop, lines.length)[0]

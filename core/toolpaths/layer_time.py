@@ -6,7 +6,7 @@ enough, so fill and tower give way before the waved wall does. Travels stay fast
 bridges keep the speed at which they hold.
 
 What a layer takes is found from its own moves alone, as if the printer stood still before and after, as it does where
-the tool changes. So some layers can be made anew without the others (`job/anew.py`).
+the tool changes. So some layers can be made anew without the others (`job/changed_layers.py`).
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from ..ragged import ahead, following, preceding, ranges, starts, sums
 from ..settings import PrintSettings
 from ..slicing.regions import gathered, ring_polygons
 
+_TOLERANCE_MM = 0.03  # by which what lies inside the wall may differ from the true area
 _HARDLY_A_WAVE = 1.0  # line widths deep: the strand covers what a straight one would
 
 
@@ -69,7 +70,12 @@ def _shared(waved: WavedOutlines, swapped: BoolArray) -> Paths:
 
 
 def inside_of_wall(
-    waved: WavedOutlines, lines: Contours, depth: FloatArray, set_back: FloatArray, polygons: int, tolerance: float
+    waved: WavedOutlines,
+    lines: Contours,
+    depth: FloatArray,
+    set_back: FloatArray,
+    polygons: int,
+    settings: PrintSettings,
 ) -> Shapes:
     """(I,) what lies inside the innermost line of the outer wall of each sliced region; empty where nothing does.
 
@@ -79,15 +85,22 @@ def inside_of_wall(
         depth: (N,) mm, of the wave at each contour point.
         set_back: (N,) mm.
         polygons: number of sliced regions, I.
-        tolerance: mm, by which the result may be simplified.
+        settings: tell whether there are waves.
     """
-    if depth.any():
-        return inside_of_lines(lines, valley_lines(lines, depth, set_back), polygons, tolerance)
-    return _inside(waved.base, waved.points, waved.start, waved.polygon, polygons, tolerance)
+    if settings.wave_crest:
+        return inside_of_lines(lines, valley_lines(lines, depth, set_back), polygons, _TOLERANCE_MM)
+    return _inside(waved.base, waved.points, waved.start, waved.polygon, polygons, _TOLERANCE_MM)
 
 
 def inside_of_lines(lines: Contours, moved: FloatArray, polygons: int, tolerance: float) -> Shapes:
-    """(I,) what lies inside contours whose points were moved to (N, 2); the rest as in `inside_of_wall`."""
+    """(I,) what lies inside contours whose points were moved, empty where nothing does.
+
+    Args:
+        lines: N contour points.
+        moved: (N, 2) mm, where they are now.
+        polygons: number of sliced regions, I.
+        tolerance: mm, by which the result may be simplified.
+    """
     return _inside(lines.points, moved, lines.start, lines.polygon, polygons, tolerance)
 
 

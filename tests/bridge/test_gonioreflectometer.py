@@ -53,7 +53,7 @@ def test_bars_of_light_lose_nothing_to_the_width_of_dark_lines(quick, monkeypatc
     mean = {}
     for way in ("with", "without"):
         if way == "without":
-            monkeypatch.setattr("dualcolor.core.job.anew.widened", lambda lines, printed, set_back, _: set_back)
+            monkeypatch.setattr("dualcolor.core.job.wall_stages.widened", lambda lines, printed, set_back, _: set_back)
         seen, _ = read_tile(tile, chosen, 8.0, [(0.0, 0.0)])
         mean[way] = float(seen[100:-100, 0].mean())
     assert mean["with"] == pytest.approx(aimed.mean(), abs=0.006)

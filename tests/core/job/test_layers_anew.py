@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dualcolor.core.errors import PrintError
-from dualcolor.core.job import anew, toolpaths
+from dualcolor.core.job import changed_layers, move_stages
 from dualcolor.core.job.layers import widened, without_gaps
 from dualcolor.core.job.stage_cache import StageCache
 from dualcolor.core.mesh.plate import plate
@@ -62,9 +62,11 @@ def made(monkeypatch):
 
         return call
 
-    monkeypatch.setattr(anew, "joined", noting("loops", anew.joined, lambda result: len(result.layer)))
-    assembled = noting("moves", toolpaths.assemble, lambda result: len(result.tool))
-    monkeypatch.setattr(toolpaths, "assemble", assembled)
+    monkeypatch.setattr(
+        changed_layers, "joined", noting("loops", changed_layers.joined, lambda result: len(result.layer))
+    )
+    assembled = noting("moves", move_stages.assemble, lambda result: len(result.tool))
+    monkeypatch.setattr(move_stages, "assemble", assembled)
     return counts
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dualcolor.core.job.anew import painted_tone
 from dualcolor.core.job.repainted import other_layers, repainted_layers
+from dualcolor.core.job.wall_stages import painted_tone
 from dualcolor.core.mesh.plate import plate
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.model import ToneImage

@@ -123,7 +123,7 @@ def compared(model, settings):
     known = paths.single_color.result()
     told = single_color_seconds(known, paths.moves, move_seconds(paths.moves, printer), settings)
     beside = paths.beside
-    inner = Paths.joined([paths.fill, beside.holding])
+    inner = Paths.joined([paths.fill, beside.supports])
     moves = single_color_moves(wall.outlines, inner, wall.cut.layers, settings, paths.within, below=beside.below)
     return told, move_seconds(moves, printer).sum(), len(known.layer) / len(wall.cut.layers)
 

@@ -1,4 +1,8 @@
-"""All paths in order, the moves that print them, and what these add up to; some layers of it anew."""
+"""The last stages of the job: all paths in order, the moves that print them, and what these add up to.
+
+Of each stage there is one for the whole print and one for the layers that have changed (`…_anew`, see
+`changed_layers.py`).
+"""
 
 from __future__ import annotations
 
@@ -27,21 +31,21 @@ _LOCAL_SEAMS = ("rear", "nearest")  # those that ask for no seam of the layer be
 
 
 @dataclass(frozen=True)
-class Surrounded:
+class ToneFree:
     """Inputs of the toolpaths that do not depend on any tone.
 
     Attributes:
-        holding: supports.
+        supports: of the object.
         around: skirt or brim, tower, shield and raft.
         below: what carries the walls.
     """
 
-    holding: Paths
+    supports: Paths
     around: Paths
     below: Below
 
 
-def in_order(wall: Paths, fill: Paths, beside: Surrounded, settings: PrintSettings) -> OrderedPaths:
+def in_order(wall: Paths, fill: Paths, beside: ToneFree, settings: PrintSettings) -> OrderedPaths:
     """All paths as they are printed, with marks of overhangs.
 
     Args:
@@ -50,20 +54,20 @@ def in_order(wall: Paths, fill: Paths, beside: Surrounded, settings: PrintSettin
         beside: all else.
         settings: of the print.
     """
-    paths = Paths.joined([*(lifted(part, settings) for part in (wall, fill, beside.holding)), beside.around])
+    paths = Paths.joined([*(lifted(part, settings) for part in (wall, fill, beside.supports)), beside.around])
     return with_overhangs(ordered(paths, settings), beside.below, settings)
 
 
 def in_order_anew(
-    former: OrderedPaths, fresh: BoolArray, wall: Paths, fill: Paths, beside: Surrounded, settings: PrintSettings
+    former: OrderedPaths, changed: BoolArray, wall: Paths, fill: Paths, beside: ToneFree, settings: PrintSettings
 ) -> OrderedPaths | None:
-    """As `in_order`; see `anew.py`."""
+    """As `in_order`; see `changed_layers.py`."""
     if wall.swapped is not None or settings.seam_position not in _LOCAL_SEAMS or not _apart(former):
         return None
-    on_raft = _with_raft(fresh, settings)
-    own = [paths.selected(fresh[paths.layer]) for paths in (wall, fill, beside.holding)]
+    on_raft = _with_raft(changed, settings)
+    own = [paths.selected(changed[paths.layer]) for paths in (wall, fill, beside.supports)]
     around = beside.around.selected(on_raft[beside.around.layer])
-    kept, part = _marked(former, in_order(own[0], own[1], replace(beside, holding=own[2], around=around), settings))
+    kept, part = _marked(former, in_order(own[0], own[1], replace(beside, supports=own[2], around=around), settings))
     return spliced(kept, part, on_raft)
 
 
@@ -85,12 +89,12 @@ def moves_along(paths: OrderedPaths, within: Rooms, layers: Layers, settings: Pr
 
 
 def moves_along_anew(
-    former: Moves, fresh: BoolArray, paths: OrderedPaths, within: Rooms, layers: Layers, settings: PrintSettings
+    former: Moves, changed: BoolArray, paths: OrderedPaths, within: Rooms, layers: Layers, settings: PrintSettings
 ) -> Moves:
-    """As `moves_along`; see `anew.py`."""
+    """As `moves_along`; see `changed_layers.py`."""
     # A layer's last moves lead to the next one, so that two more are needed to know those of one more. These are all
     # that its speeds depend on (`layer_time.py`).
-    on_raft = _with_raft(fresh, settings)
+    on_raft = _with_raft(changed, settings)
     near = widened(on_raft, 1)
     made = assemble(some(paths, widened(on_raft, 2)), raised(layers, settings), settings, within)
     check(some(made, near), settings)
@@ -128,10 +132,10 @@ def summary(moves: Moves, settings: PrintSettings) -> tuple[Moves, FloatArray]:
 
 
 def summary_anew(
-    former: tuple[Moves, FloatArray], fresh: BoolArray, moves: Moves, settings: PrintSettings
+    former: tuple[Moves, FloatArray], changed: BoolArray, moves: Moves, settings: PrintSettings
 ) -> tuple[Moves, FloatArray] | None:
-    """As `summary`; see `anew.py`."""
-    near = widened(_with_raft(fresh, settings), 1)
+    """As `summary`; see `changed_layers.py`."""
+    near = widened(_with_raft(changed, settings), 1)
     bounds = np.searchsorted(moves.layer, np.array(runs(near)))
     inside = bounds[(bounds > 0) & (bounds < len(moves.layer))]
     if (moves.tool[inside] == moves.tool[inside - 1]).any():  # the printer does not stand still there
