@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.input.mesh_input import MAKE_REAL, WITH_SURFACE
 from ..bridge.input.metaballs import metaball_of
 from ..bridge.strands.preview import source_of
 
@@ -16,7 +16,7 @@ def has_printable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> 
     obj = source_of(context.object)
     if obj is None or obj.type not in WITH_SURFACE:
         instanced = obj is not None and obj.instance_type == "COLLECTION"
-        how = "Object > Apply > Make Instances Real" if instanced else "Select a mesh object"
+        how = MAKE_REAL if instanced else "Select a mesh object"
         cls.poll_message_set(f"{how} first")
         return False
     whole = metaball_of(obj, context.scene)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..bridge.paint.painting import paint_note, picture_of
+from ..bridge.paint.painting import paint_note, picture_of, printed_attributes
 from ..bridge.proof.proof_views import WITHOUT_MATERIALS
 from ..bridge.proof.soft_proof import is_proofed, proof_notes
 from ..bridge.strands.preview import source_of
@@ -74,11 +74,11 @@ def hints(obj: bpy.types.Object, active: bpy.types.Object | None = None) -> list
         return [reason]
     found = [] if has_xatlas() else ["xatlas is not installed here: Smart UV Project does it too"]
     picture = picture_of(obj)
-    painted = obj.data.color_attributes.active_color
-    if picture is None and painted is None:
-        found.append("No image yet: all prints in the background tone")
+    painted = [] if picture else printed_attributes(obj)
+    if painted:
+        found.append(f"No image: prints the color attribute {' and '.join(painted)} (Vertex Paint)")
     elif picture is None:
-        found.append(f"No image: prints the color attribute {painted.name} (Vertex Paint)")
+        found.append("No image yet: all prints in the background tone")
     elif not obj.data.uv_layers:
         found.append("The image needs a UV map: unwrap first")
     elif not obj.dualcolor.image:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import bpy
 
-from ..bridge.input.mesh_input import WITH_SURFACE
+from ..bridge.input.mesh_input import MAKE_REAL, WITH_SURFACE
 from ..bridge.input.metaballs import metaball_of
 from ..bridge.input.plate import objects_to_print
 from ..bridge.strands.preview import preview_of, source_of
@@ -43,7 +43,7 @@ class DUALCOLOR_PT_main(Tab, bpy.types.Panel):
             self.layout.label(text="Select a mesh object", icon="INFO")
             self.layout.label(text="or Add > Dual-Color", icon="BLANK1")
             if obj is not None and obj.instance_type == "COLLECTION":
-                self.layout.label(text="or Object > Apply > Make Instances Real", icon="BLANK1")
+                self.layout.label(text=f"or {MAKE_REAL}", icon="BLANK1")
             return
         more = len(objects_to_print(context)) - 1
         printed = f"{obj.name} and {more} more" if more > 0 else obj.name

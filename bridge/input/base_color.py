@@ -10,7 +10,6 @@ from ...core.records import dataclass
 
 Groups = tuple[bpy.types.Node, ...]
 COLOR_INPUT = {"BSDF_PRINCIPLED": "Base Color", "BSDF_DIFFUSE": "Color", "EMISSION": "Color"}
-_ATTRIBUTES = {"VERTEX_COLOR": "layer_name", "ATTRIBUTE": "attribute_name"}
 HOW_TO_BAKE = "(in Blender: Paint > Bake Material; on the command line: --bake-material)"
 BAKE_HINT = f"bake it to print what is seen {HOW_TO_BAKE}"
 _HARMLESS = ("REROUTE", "RGBTOBW")  # what prints is gray anyway
@@ -23,7 +22,7 @@ class BaseColor:
     Attributes:
         image: the picture, or None.
         uv_map: name of the UV map that the picture asks for, "" for the one to render.
-        attribute: name of a color attribute, or "".
+        attribute: name of a color attribute, "" for the one to render, or None.
         color: linear RGBA of a plain color, or None.
         ignored: titles of the nodes that change it in the material, but not in the print; with nothing else, of those
             that make it.
@@ -31,7 +30,7 @@ class BaseColor:
 
     image: bpy.types.Image | None = None
     uv_map: str = ""
-    attribute: str = ""
+    attribute: str | None = None
     color: tuple[float, float, float, float] | None = None
     ignored: tuple[str, ...] = ()
 
@@ -70,7 +69,7 @@ def base_color(material: bpy.types.Material | None) -> BaseColor:
             return _of_image_node(found)
         if found.node.type in COLOR_INPUT:
             color = _of_socket(found.node.inputs[COLOR_INPUT[found.node.type]], found.groups)
-            if color.image or color.attribute:
+            if color.image or color.attribute is not None:
                 return color
             plain = plain if plain.color else color
     return plain
@@ -92,14 +91,17 @@ def chosen_color(colors: list[BaseColor], image: bpy.types.Image, mesh: bpy.type
     return next((color for color in colors if color.image == image), unseen)
 
 
-def ignored_note(color: BaseColor) -> str:
-    """A sentence about what a material shows otherwise than it prints; empty if there is nothing."""
+def ignored_note(color: BaseColor, mesh: bpy.types.Mesh) -> str:
+    """A sentence about what a material shows on a mesh otherwise than it prints; empty if there is nothing."""
+    if color.attribute and color.attribute not in mesh.color_attributes:
+        return f"the attribute {color.attribute} of the material is no color attribute and does not print: {BAKE_HINT}"
     if not color.ignored:
         return ""
     nodes = " and ".join(color.ignored)
-    if not color.image and not color.attribute:
+    layer = None if color.attribute is None else color_layer(color, mesh)
+    if not color.image and layer is None:
         return f"the material's color is made by {nodes}, which does not print: {BAKE_HINT}"
-    paint = f"image {color.image.name}" if color.image else f"color attribute {color.attribute}"
+    paint = f"image {color.image.name}" if color.image else f"color attribute {layer.name}"
     return f"the material changes the {paint} by {nodes}, but it prints as it is: {BAKE_HINT}"
 
 
@@ -107,6 +109,19 @@ def picture_layer(color: BaseColor, mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoo
     """The UV map by which a picture is seen: the one that it asks for, else the one to render; None without any."""
     layers = mesh.uv_layers
     return layers.get(color.uv_map) or next((layer for layer in layers if layer.active_render), layers.active)
+
+
+def color_layer(color: BaseColor, mesh: bpy.types.Mesh, pictured: bool = False) -> bpy.types.Attribute | None:
+    """The color attribute that is printed where a material has no picture: the one that it shows, else the active one.
+
+    Args:
+        color: of the material.
+        mesh: of the object.
+        pictured: whether another material of the object has a picture; plain ones then show their own color.
+    """
+    attributes = mesh.color_attributes
+    shown = None if color.attribute is None else attributes.get(color.attribute or attributes.default_color_name)
+    return shown or (None if pictured else attributes.active_color)
 
 
 def _of_socket(socket: bpy.types.NodeSocket, groups: Groups) -> BaseColor:
@@ -117,15 +132,24 @@ def _of_socket(socket: bpy.types.NodeSocket, groups: Groups) -> BaseColor:
         node = found.node
         if node.type == "TEX_IMAGE" and node.image:
             return _of_image_node(found)
-        if node.type in _ATTRIBUTES:
-            plain = BaseColor(attribute=getattr(node, _ATTRIBUTES[node.type]), ignored=_changers(found))
-        elif node.type == "RGB" and not plain.attribute:
+        if (attribute := _attribute_of(node)) is not None:
+            plain = BaseColor(attribute=attribute, ignored=_changers(found))
+        elif node.type == "RGB" and plain.attribute is None:
             plain = BaseColor(color=tuple(node.outputs[0].default_value), ignored=_changers(found))
         if node.type != "TEX_IMAGE":
             made_by = made_by or node.bl_label
-    if made_by and not plain.attribute and not plain.color:
+    if made_by and plain.attribute is None and not plain.color:
         return BaseColor(ignored=(made_by,))
     return plain
+
+
+def _attribute_of(node: bpy.types.Node) -> str | None:
+    """Name of the attribute of the mesh that a node shows, "" for the color attribute to render; None without one."""
+    if node.type == "VERTEX_COLOR":
+        return str(node.layer_name)
+    if node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY":
+        return node.attribute_name or None
+    return None
 
 
 def _of_image_node(found: _Found) -> BaseColor:

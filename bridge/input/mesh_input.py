@@ -16,7 +16,7 @@ from ...core.settings import PrintSettings
 from ...core.texture.decode import color_tone
 from ..mesh_data import corner_vertices, in_world, layer_uv, positions
 from ..units import mm_per_unit
-from .base_color import BaseColor, base_color, chosen_color, ignored_note, picture_layer
+from .base_color import BaseColor, base_color, chosen_color, color_layer, ignored_note, picture_layer
 from .image_input import image_tone
 from .metaballs import metaball_of
 from .printed_materials import printed_materials
@@ -26,6 +26,7 @@ WITH_SURFACE = ("MESH", "CURVE", "SURFACE", "FONT", "META")
 SUPPORT_ATTRIBUTE = "dualcolor_support"
 """Whole number of each face: above 0 it enforces supports, below 0 it blocks them."""
 NO_FACES_HINT = "choose a mesh with a closed surface; instances need Geometry Nodes' Realize Instances"
+MAKE_REAL = "Object > Apply > Make Instances Real"
 CURVE_HINT = "give the curve an Extrude or a Bevel (Object Data > Geometry)"
 DISABLED_HINT = "turn on the screen icon of the object, or of its collection, in the outliner"
 UNWRAP_HINT = "unwrap it first (in Blender: Paint > Smart UV Project; on the command line: --unwrap smart)"
@@ -62,6 +63,7 @@ def surface_model(
         tone = _corner_tone(mesh, corners, colors, slot, settings.background_tone)
         textures, polygon_texture = _textures(colors, slot)
         support = _face_marks(mesh)
+        notes = _notes(obj, mesh, depsgraph, [colors[number] for number in np.unique(slot).tolist()])
         weights, shown = painted_visibility(obj, mesh, settings.seam_visibility)
         vertices = world_vertices(mesh, obj.evaluated_get(depsgraph), mm_per_unit(depsgraph.scene))
     order = corners.outward(mirrored=obj.evaluated_get(depsgraph).matrix_world.determinant() < 0)
@@ -77,7 +79,7 @@ def surface_model(
         polygon_support=support,
         corner_visibility=None if weights is None else weights[corners.vertex][order],
         polygon_visibility=np.full(len(polygon_texture), len(textures), dtype=np.int64) if shown else None,
-        notes=_notes(obj, depsgraph, [colors[number] for number in np.unique(slot).tolist()]),
+        notes=notes,
     )
 
 
@@ -116,11 +118,14 @@ def _no_faces(obj: bpy.types.Object, scene: bpy.types.Scene) -> MeshError:
     return MeshError(f"{obj.name} has no faces", CURVE_HINT if obj.type == "CURVE" else NO_FACES_HINT)
 
 
-def _notes(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, colors: list[BaseColor]) -> tuple[str, ...]:
+def _notes(
+    obj: bpy.types.Object, mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph, colors: list[BaseColor]
+) -> tuple[str, ...]:
     """Warnings about what is visible on an object but does not print: parts not in its mesh, colors made by nodes."""
-    notes = [note for note in map(ignored_note, colors) if note]
+    notes = [note for note in (ignored_note(color, mesh) for color in colors) if note]
     if obj.evaluated_get(depsgraph).evaluated_geometry().instances_pointcloud() is not None:
-        notes.append(f"instances on {obj.name} are not printed: use Geometry Nodes' Realize Instances")
+        realize = "Geometry Nodes' Realize Instances" if obj.instance_type == "NONE" else MAKE_REAL
+        notes.append(f"instances on {obj.name} are not printed: use {realize}")
     return tuple(dict.fromkeys(notes))
 
 
@@ -231,21 +236,17 @@ def _corner_tone(
         chosen: BoolArray = slot[corners.polygon] == number
         if color.image or not chosen.any():
             continue
-        rgba = _attribute_color(mesh, corners, color.attribute, active=not pictured)
-        if rgba is not None:
-            tone[chosen] = color_tone(rgba[chosen], background)
+        layer = color_layer(color, mesh, pictured)
+        if layer is not None:
+            tone[chosen] = color_tone(_layer_color(layer, corners)[chosen], background)
         elif pictured and color.color:
             tone[chosen] = color_tone(np.array([color.color], dtype=np.float64), background)[0]
     return None if np.isnan(tone).all() else tone
 
 
-def _attribute_color(mesh: bpy.types.Mesh, corners: _Corners, name: str, active: bool) -> FloatArray | None:
-    """(C, 4) linear color of the named attribute, else of the active one if that may be used, else None."""
-    attributes = mesh.color_attributes
-    attribute = attributes.get(name) or (attributes.active_color if active else None)
-    if attribute is None:
-        return None
-    rgba = np.empty(len(attribute.data) * 4, dtype=np.float32)
-    attribute.data.foreach_get("color", rgba)  # linear for byte colors too
+def _layer_color(layer: bpy.types.Attribute, corners: _Corners) -> FloatArray:
+    """(C, 4) linear color of a color attribute."""
+    rgba = np.empty(len(layer.data) * 4, dtype=np.float32)
+    layer.data.foreach_get("color", rgba)  # linear for byte colors too
     linear = rgba.reshape(-1, 4).astype(np.float64)
-    return linear[corners.vertex] if attribute.domain == "POINT" else linear
+    return linear[corners.vertex] if layer.domain == "POINT" else linear

@@ -13,7 +13,7 @@ from ...core.settings.printer import printer_profile
 from ...core.texture.decode import linear_from_srgb, srgb_from_linear
 from ...core.texture.grade import Grade, graded
 from ..bed import bounds_mm
-from ..input.base_color import BaseColor, base_color, chosen_color, ignored_note, picture_layer
+from ..input.base_color import BaseColor, base_color, chosen_color, color_layer, ignored_note, picture_layer
 from ..input.image_input import image_size, stored_pixels
 from ..input.printed_materials import printed_materials
 from ..materials import new_material, picture_node
@@ -90,9 +90,24 @@ def _picture_color(obj: bpy.types.Object) -> BaseColor:
 
 def paint_note(obj: bpy.types.Object) -> str:
     """A sentence about what the materials of an object show otherwise than it prints; empty if there is nothing."""
+    mesh = _shown_mesh(obj)
     colors = [base_color(material) for material in printed_materials(obj)]
     colors = [_picture_color(obj)] if obj.dualcolor.image else colors
-    return next(filter(None, map(ignored_note, colors)), "")
+    return next(filter(None, (ignored_note(color, mesh) for color in colors)), "")
+
+
+def printed_attributes(obj: bpy.types.Object) -> list[str]:
+    """Names of the color attributes that an object without a picture is printed with."""
+    mesh = _shown_mesh(obj)
+    colors = [base_color(material) for material in printed_materials(obj)] or [BaseColor()]
+    layers = [color_layer(color, mesh) for color in colors]
+    return list(dict.fromkeys(layer.name for layer in layers if layer))
+
+
+def _shown_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """The mesh of an object with its modifiers, some of which make attributes; its own where there is no other."""
+    found = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    return found if isinstance(found, bpy.types.Mesh) else obj.data
 
 
 def exchange_picture(obj: bpy.types.Object, former: bpy.types.Image, picture: bpy.types.Image) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from ...core.analysis.soft_proof import ProofTable, proof_settings, proof_table, proof_window, repeats, tone_range
 from ...core.errors import PrintError
 from ...core.settings import PrintSettings
-from ..input.base_color import BaseColor, base_color, chosen_color, picture_layer
+from ..input.base_color import BaseColor, base_color, chosen_color, color_layer, picture_layer
 from ..input.mesh_input import surface_model
 from ..input.printed_materials import COVERED_KEY, PROOF_KEY, is_proof, printed_materials
 from ..units import mm_per_unit
@@ -139,15 +139,12 @@ def _sources(obj: bpy.types.Object) -> list[BaseColor]:
     if image:
         colors = [chosen_color(colors, image, mesh)] * len(colors)
     pictured = any(color.image for color in colors)
-    active_color = mesh.color_attributes.active_color
     found = []
     for color in colors:
         if color.image:
             found.append(replace(color, uv_map=picture_layer(color, mesh).name))
-        elif color.attribute in mesh.color_attributes:
-            found.append(color)
-        elif active_color and not pictured:
-            found.append(BaseColor(attribute=active_color.name))
+        elif layer := color_layer(color, mesh, pictured):
+            found.append(BaseColor(attribute=layer.name))
         else:
             found.append(BaseColor(color=color.color if pictured else None))
     return found

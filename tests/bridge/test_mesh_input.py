@@ -98,6 +98,9 @@ def test_instances_are_said_not_to_be_printed():
     both = plate_model([box, other], depsgraph, PrintSettings(), [None, None])
     assert both.notes == ("instances on box are not printed: use Geometry Nodes' Realize Instances",)
     assert both.notes[0] in drained(steps(both, PrintSettings(arrange=True, infill_density=0))).report["warnings"]
+    box.modifiers.clear()
+    other.parent, box.instance_type = box, "FACES"
+    assert model_of(box).notes == ("instances on box are not printed: use Object > Apply > Make Instances Real",)
 
 
 def test_edit_mode_is_read_as_it_looks():
