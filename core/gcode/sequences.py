@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..settings.printer import PrinterProfile
@@ -124,11 +122,10 @@ def _heat_and_home(settings: PrintSettings, hot: dict[int, float]) -> list[str]:
 
 def _prime_amount(settings: PrintSettings, tool: int) -> float:
     """Mm of filament in the priming line, as the file writes it."""
-    diameter = settings.filament_diameter_1 if tool else settings.filament_diameter_0
     outer, inner = settings.printer_profile.prime_x
     length = outer - inner
     volume = length * PRIME_WIDTH_MM * settings.first_layer_height
-    return round(volume / (math.pi / 4 * diameter**2), 5)
+    return round(volume / settings.filament_sections[tool], 5)
 
 
 def _prime_lines(settings: PrintSettings, tool: int, fed: float, retracted: float, y: float) -> list[str]:

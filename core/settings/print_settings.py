@@ -5,6 +5,7 @@ The sidebar's properties, the command line and the header of the G-code are all 
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 from ..records import dataclass
@@ -236,6 +237,12 @@ class PrintSettings(PatternSettings):
     def extrusion_multipliers(self) -> tuple[float, float]:
         """Factor on what each tool extrudes."""
         return self.extrusion_multiplier_0, self.extrusion_multiplier_1
+
+    @property
+    def filament_sections(self) -> tuple[float, float]:
+        """Cross-section of the filament in each tool, mm²."""
+        one, other = self.filament_diameter_0, self.filament_diameter_1
+        return math.pi / 4 * (one * one), math.pi / 4 * (other * other)
 
     @property
     def is_solid(self) -> bool:

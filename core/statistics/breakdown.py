@@ -74,8 +74,7 @@ def filament_report(moves: Moves, settings: PrintSettings) -> dict[str, Any]:
     report["cost"] = report["tool0_cost"] + report["tool1_cost"]
     row = moves.feature + len(Feature) * moves.tool
     fed = np.bincount(row, np.where(moves.extrudes, moves.filament, 0.0), minlength=2 * len(Feature))
-    section = np.pi / 4 * np.array([settings.filament_diameter_0, settings.filament_diameter_1]) ** 2
-    by_feature = section @ fed.reshape(2, -1) * settings.filament_density / 1000
+    by_feature = settings.filament_sections @ fed.reshape(2, -1) * settings.filament_density / 1000
     features = {feature.name.lower(): float(by_feature[feature]) for feature in Feature if by_feature[feature] > 0}
     total = float(by_feature.sum())
     report["features_g"] = features
@@ -131,8 +130,7 @@ def stretches(moves: Moves, seconds: FloatArray) -> tuple[Moves, FloatArray]:
 def filament_use(moves: Moves, settings: PrintSettings) -> dict[str, float]:
     """Filament that each tool feeds in the end, retractions balanced: `tool0_mm`, `tool1_mm`, `tool0_g`, `tool1_g`."""
     fed = np.bincount(moves.tool, moves.filament, minlength=2)
-    section = np.pi / 4 * np.array([settings.filament_diameter_0, settings.filament_diameter_1]) ** 2
-    grams = fed * section * settings.filament_density / 1000
+    grams = fed * settings.filament_sections * settings.filament_density / 1000
     return {f"tool{tool}_{unit}": float(of[tool]) for unit, of in (("mm", fed), ("g", grams)) for tool in (0, 1)}
 
 

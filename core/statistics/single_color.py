@@ -106,13 +106,18 @@ def single_color_seconds(single: SingleColor, moves: Moves, seconds: FloatArray,
     guess = _by_layer(moves, weight * seconds, single.wall, settings)
     taken = _as_known(guess, known > least, single)[others]
     if (known <= least).any():
-        strand = np.where(moves.extrudes, moves.filament / np.maximum(moves.width * moves.height, _LEAST_MM2), 0.0)
-        section = np.pi / 4 * settings.filament_diameter_0**2 / settings.extrusion_multiplier_0
+        way = np.where(moves.extrudes, _strand_lengths(moves, settings), 0.0)
         wall = single.wall * settings.outline_speed
-        slowest = _by_layer(moves, weight * strand * section, wall, settings) / settings.min_print_speed
+        slowest = _by_layer(moves, weight * way, wall, settings) / settings.min_print_speed
         slowed = _as_known(slowest, known < _SLOWED * least, single)[others]
         taken = np.maximum(taken, np.minimum(slowed, least))
     return float(first + taken.sum())
+
+
+def _strand_lengths(moves: Moves, settings: PrintSettings) -> FloatArray:
+    """(M,) mm of strand that the filament of each row gives, by the width and height in its last line."""
+    per_mm = np.array(settings.filament_sections) / settings.extrusion_multipliers
+    return np.asarray(moves.filament * per_mm[moves.tool] / np.maximum(moves.width * moves.height, _LEAST_MM2))
 
 
 def _by_layer(moves: Moves, weight: FloatArray, wall: FloatArray, settings: PrintSettings) -> FloatArray:

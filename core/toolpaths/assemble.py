@@ -96,10 +96,9 @@ def _filament(
     paths: OrderedPaths, tool: IntArray, height: FloatArray, length: FloatArray, settings: PrintSettings
 ) -> FloatArray:
     """(N,) mm of filament that the line takes that leaves each point; arguments as in `_extrusions`."""
-    diameter = np.where(tool == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    factor = np.array(settings.extrusion_multipliers)[tool] / (np.pi / 4 * diameter**2)
+    factor = np.array(settings.extrusion_multipliers) / settings.filament_sections
     filament = length * paths.width
-    filament *= np.repeat(height * factor, np.diff(paths.start))
+    filament *= np.repeat(height * factor[tool], np.diff(paths.start))
     return filament
 
 

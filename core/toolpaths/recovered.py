@@ -101,9 +101,8 @@ def _line_widths(
         stated: (K,) mm, widths that the file states, or None.
     """
     fed = moves.filament[rows]
-    diameter = np.where(moves.tool[rows] == 0, settings.filament_diameter_0, settings.filament_diameter_1)
-    fed_too_much = np.array(settings.extrusion_multipliers)[moves.tool[rows]]
-    area = fed * (np.pi / 4) * diameter**2 / (fed_too_much * moves.height[rows])
+    per_mm = np.array(settings.filament_sections) / settings.extrusion_multipliers
+    area = fed * per_mm[moves.tool[rows]] / moves.height[rows]
     begins = np.ones(len(rows), dtype=bool)
     begins[1:] = (np.diff(rows) > 1) | (np.diff(moves.layer[rows]) != 0) | (np.diff(moves.feature[rows]) != 0)
     doubt = 1.42 * steps[0] / way + steps[1] / fed  # both ends may be off by half a diagonal

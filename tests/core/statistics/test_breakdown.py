@@ -131,7 +131,10 @@ def compared(model, settings):
 AROUND = {"tower_type": "w", "ooze_shield": True, "raft_layers": 2, "skirts": 0}
 
 
-@pytest.mark.parametrize("more", [{"tower_type": "none", "brim_width": 3}, {"pattern": "wave"} | AROUND])
+THICK = {"filament_diameter_1": 3.5, "slowdown_below_layer_time": 16.0, "infill_density": 30.0}
+
+
+@pytest.mark.parametrize("more", [{"tower_type": "none", "brim_width": 3}, {"pattern": "wave"} | AROUND, THICK])
 def test_some_layers_tell_the_time_in_a_single_color(more):
     told, all_layers, share = compared(lathe([[4, 0], [9, 11], [5, 18], [7, 30]]), PrintSettings().changed(more))
     assert share < 0.5
