@@ -26,7 +26,7 @@ from dualcolor.core.contours.contours import Contours, contours  # noqa: E402
 from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
 from dualcolor.core.model import SurfaceModel  # noqa: E402
 from dualcolor.core.sampling.optimized import optimized_samples  # noqa: E402
-from dualcolor.core.sampling.paper import sample  # noqa: E402
+from dualcolor.core.sampling.paper import paper_samples  # noqa: E402
 from dualcolor.core.sampling.projector import Projector  # noqa: E402
 from dualcolor.core.sampling.quality import seam_errors  # noqa: E402
 from dualcolor.core.sampling.samples import Samples  # noqa: E402
@@ -84,8 +84,8 @@ def quickest(task: Callable[[], Any]) -> tuple[Any, float]:
 
 def measured(lines: Contours, samples: Samples, projector: Projector, settings: PrintSettings, seconds: float) -> Row:
     """Shares of the seam error, births and deaths, spacing."""
-    shares = seam_errors(lines, samples, projector).shares(len(samples.arc))
-    traced = tracelines(lines, samples, projector, settings.wavelength).report()
+    shares = seam_errors(samples, projector).shares(len(samples.arc))
+    traced = tracelines(samples, projector, settings.wavelength).report()
     gap = samples.spacing(lines)
     assert gap.min() >= settings.wavelength - 1e-6
     assert gap.max() < 2 * settings.wavelength
@@ -101,8 +101,8 @@ def compared(path: Path, height_mm: float, settings: PrintSettings) -> tuple[int
     lines = contours(cut.outlines, cut.loop_polygon, settings)
     projector = Projector(lines, settings.projection_threshold)
     rows = []
-    for scheme in (sample, optimized_samples):
-        samples, seconds = quickest(lambda scheme=scheme: scheme(lines, projector, settings))
+    for scheme in (paper_samples, optimized_samples):
+        samples, seconds = quickest(lambda scheme=scheme: scheme(projector, settings))
         rows.append(measured(lines, samples, projector, settings, seconds))
     return len(cut.layers), slicing, rows[0], rows[1]
 

@@ -19,7 +19,7 @@ load_package()
 from dualcolor.core.contours.contours import contours  # noqa: E402
 from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
 from dualcolor.core.sampling.optimized import optimized_samples  # noqa: E402
-from dualcolor.core.sampling.paper import sample  # noqa: E402
+from dualcolor.core.sampling.paper import paper_samples  # noqa: E402
 from dualcolor.core.sampling.projector import Projector  # noqa: E402
 from dualcolor.core.sampling.quality import seam_errors  # noqa: E402
 from dualcolor.core.sampling.visibility import at_arcs, front_visibility  # noqa: E402
@@ -36,11 +36,11 @@ def salient(path: Path, height_mm: float, settings: PrintSettings) -> list[tuple
     seen = front_visibility(lines.normal, settings.front_angle)
     found = []
     for samples in (
-        sample(lines, projector, settings),
-        optimized_samples(lines, projector, settings),
-        optimized_samples(lines, projector, settings, seen),
+        paper_samples(projector, settings),
+        optimized_samples(projector, settings),
+        optimized_samples(projector, settings, seen),
     ):
-        errors = seam_errors(lines, samples, projector)
+        errors = seam_errors(samples, projector)
         shares = errors.shares(len(samples.arc), at_arcs(seen, lines, errors.arc))
         found.append((100 * shares["salient_seen"], 100 * shares["salient"]))
     return found

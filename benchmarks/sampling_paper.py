@@ -19,7 +19,7 @@ from launcher import load_package
 load_package()
 from dualcolor.core.contours.contours import contours  # noqa: E402
 from dualcolor.core.mesh.triangles import triangulate  # noqa: E402
-from dualcolor.core.sampling.paper import sample  # noqa: E402
+from dualcolor.core.sampling.paper import paper_samples  # noqa: E402
 from dualcolor.core.sampling.projector import Projector  # noqa: E402
 from dualcolor.core.sampling.quality import ERROR_FREE, SALIENT, SeamErrors, seam_errors  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
@@ -34,7 +34,7 @@ def errors_of(path: Path, height_mm: float, settings: PrintSettings) -> SeamErro
     cut = slices(triangulate(obj_model(path, height_mm), settings), settings)
     lines = contours(cut.outlines, cut.loop_polygon, settings)
     projector = Projector(lines, settings.projection_threshold)
-    return seam_errors(lines, sample(lines, projector, settings), projector)
+    return seam_errors(paper_samples(projector, settings), projector)
 
 
 def main(meshes: Path) -> None:

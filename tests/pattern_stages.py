@@ -4,7 +4,7 @@ import numpy as np
 from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.wave import modulated, waved
-from dualcolor.core.sampling.paper import sample
+from dualcolor.core.sampling.paper import paper_samples
 from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
@@ -20,7 +20,7 @@ def lines_of(model, settings=WAVE_OFFSET):
 
 def sampled(lines, settings=WAVE_OFFSET):
     projector = Projector(lines, settings.projection_threshold)
-    return sample(lines, projector, settings), projector
+    return paper_samples(projector, settings), projector
 
 
 def printed(model, tone, settings=WAVE_OFFSET):

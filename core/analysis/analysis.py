@@ -93,9 +93,7 @@ def analysis_steps(model: SurfaceModel, settings: PrintSettings) -> Generator[Pr
     waves = settings.pattern != "offset"
     errors = wall.beside.errors.result() if waves else None
     traced = (
-        tracelines(lines, samples, Projector(lines, settings.projection_threshold), settings.wavelength)
-        if waves
-        else None
+        tracelines(samples, Projector(lines, settings.projection_threshold), settings.wavelength) if waves else None
     )
     too_short = (np.diff(samples.start) == 0) & waves
     yield 0.9, "room"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..contours.contours import Contours
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import starts
 from ..records import dataclass
@@ -40,7 +39,7 @@ class Tracelines:
         }
 
 
-def tracelines(lines: Contours, samples: Samples, projector: Projector, wavelength: float) -> Tracelines:
+def tracelines(samples: Samples, projector: Projector, wavelength: float) -> Tracelines:
     """Join each sample to the one above it.
 
     A sample goes on in the sample nearest to its projection onto the next layer, if that is less than half a
@@ -48,13 +47,12 @@ def tracelines(lines: Contours, samples: Samples, projector: Projector, waveleng
     for the pattern, a line ends without a death; births likewise.
 
     Args:
-        lines: contours of all layers.
-        samples: S on them.
-        projector: made for the same contours.
+        samples: S on the contours of all layers.
+        projector: made for these contours.
         wavelength: mm.
     """
-    after, away, above = _nearest(lines, samples, projector, 1)
-    _, _, below = _nearest(lines, samples, projector, -1)
+    after, away, above = _nearest(samples, projector, 1)
+    _, _, below = _nearest(samples, projector, -1)
     source = np.flatnonzero(above & (away < wavelength / 2))
     source = source[np.lexsort((away[source], after[source]))]
     first = np.ones(len(source), dtype=bool)
@@ -72,10 +70,9 @@ def tracelines(lines: Contours, samples: Samples, projector: Projector, waveleng
     return Tracelines(order, starts(count), below & ~comes_from, above & ~goes_on)
 
 
-def _nearest(
-    lines: Contours, samples: Samples, projector: Projector, step: int
-) -> tuple[IntArray, FloatArray, BoolArray]:
+def _nearest(samples: Samples, projector: Projector, step: int) -> tuple[IntArray, FloatArray, BoolArray]:
     """The nearest sample a layer up or down: its number, its distance along the contour, and whether there is one."""
+    lines = projector.lines
     layer = lines.layer[samples.loop] + step
     found, away = np.zeros(len(layer), dtype=np.int64), np.full(len(layer), np.inf)
     inside = np.flatnonzero((layer >= 0) & (layer <= lines.layer.max(initial=0)))

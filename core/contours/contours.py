@@ -90,6 +90,11 @@ class Contours:
         return np.diff(self.arc_start)
 
     @property
+    def below_top(self) -> IntArray:
+        """(M,) by how many layers each line lies below the highest one."""
+        return int(self.layer.max(initial=0)) - self.layer
+
+    @property
     def step(self) -> FloatArray:
         """(N,) mm, from each point to the next one of its line."""
         return np.diff(np.append(self.arc, self.arc_start[-1]))
@@ -261,9 +266,9 @@ def loop_of(lines: Contours, arc: FloatArray) -> IntArray:
     return np.maximum(Lookup(lines.arc_start[:-1]).before(arc), 0)
 
 
-def long_enough(length: FloatArray, settings: PrintSettings) -> BoolArray:
-    """(M,) which lines hold the pattern: two samples at least."""
-    return np.asarray(length >= 2 * settings.wavelength)
+def long_enough(length: FloatArray, wavelength: float) -> BoolArray:
+    """(M,) which lines of these lengths, mm, hold the pattern: two samples at least."""
+    return np.asarray(length >= 2 * wavelength)
 
 
 def average_along_wall(values: FloatArray, lines: Contours, window: float) -> FloatArray:

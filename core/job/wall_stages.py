@@ -24,7 +24,7 @@ from ..printability.slopes import FaceContrast, face_contrast
 from ..progress import Progress
 from ..records import dataclass
 from ..sampling.optimized import optimized_samples
-from ..sampling.paper import sample
+from ..sampling.paper import paper_samples
 from ..sampling.projector import Projector
 from ..sampling.quality import SeamErrors, seam_errors
 from ..sampling.samples import Samples
@@ -119,9 +119,9 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     early = run("early tone", pattern_tone, lines, painting.result(), settings) if settings.hide_seams else None
     shown = model.textures if mesh.face_visibility_texture is not None else ()
     seen = run("visibility", seam_visibility, lines, cut.layers.plane, mesh, shown, early, settings)
-    samples = run("sampling", pattern_samples, lines, projector, settings, seen)
+    samples = run("sampling", pattern_samples, projector, settings, seen)
     yield stages.begin(0.4, "texture")
-    errors = aside("seam errors", seam_errors, lines, samples, projector)
+    errors = aside("seam errors", seam_errors, samples, projector)
     paint = aside("slopes", face_contrast, mesh, painting, settings)
     hanging = aside("undersides", undersides, mesh, cut.layers.plane, settings)
     beside = WorkBeside(closes, spanned, errors, paint, hanging)
@@ -145,22 +145,19 @@ def wall_stages(model: SurfaceModel, settings: PrintSettings, stages: Stages) ->
     )  # fmt: skip
 
 
-def pattern_samples(
-    lines: Contours, projector: Projector, settings: PrintSettings, visibility: FloatArray | None = None
-) -> Samples:
+def pattern_samples(projector: Projector, settings: PrintSettings, visibility: FloatArray | None = None) -> Samples:
     """The samples at which the waves sit, by the scheme that `sampling` sets; none for `offset`.
 
     Args:
-        lines: N contour points.
-        projector: made for them.
+        projector: made for the contours, N points.
         settings: those of the pattern are used.
         visibility: (N,) 0 to 1, how much a seam is seen there; None is alike everywhere.
     """
     if settings.pattern == "offset":
-        return Samples(np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros(len(lines.layer) + 1, dtype=np.int64))
+        return Samples.on(projector.lines, np.zeros(0))
     if settings.sampling == "paper":
-        return sample(lines, projector, settings)
-    return optimized_samples(lines, projector, settings, visibility)
+        return paper_samples(projector, settings)
+    return optimized_samples(projector, settings, visibility)
 
 
 def painted_tone(pyramids: TexturePyramids, lines: Contours, settings: PrintSettings) -> FloatArray:

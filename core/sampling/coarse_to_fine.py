@@ -10,9 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contours.contours import Contours
 from ..model import FloatArray
-from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
 from .wave_plan import PrimalDual, WavePlan, uneven
 
@@ -49,52 +47,43 @@ class Search(NamedTuple):
 
 
 def planned(
-    lines: Contours,
-    fine: PhaseGrid,
-    grid: PhaseGrid,
-    layers: int,
-    search: Search,
-    weight: FloatArray,
-    settings: PrintSettings,
+    fine: PhaseGrid, grid: PhaseGrid, layers: int, search: Search, weight: FloatArray, wavelength: float
 ) -> WavePlan:
     """The plan with the fewest births and deaths.
 
     Args:
-        lines: the contours.
         fine: the grid that those of fewer layers are made from, of the same layers as `grid`.
         grid: the grid of K nodes to plan on.
         layers: it has every so many of all layers.
         search: how long to search.
         weight: (K,) what a birth or a death above the edge from each node costs, 1 as a rule.
-        settings: the wavelength is used.
+        wavelength: λ, mm.
     """
     stages = [(grid, layers, search.steps)]
     for level in reversed(search.levels):
-        fine = fine.spanning(lines, level.layers, level.layers * settings.wavelength / 2)
-        stages.insert(0, (fine.every(lines, level.stride), level.layers, level.steps))
+        fine = fine.spanning(level.layers, level.layers * wavelength / 2)
+        stages.insert(0, (fine.every(level.stride), level.layers, level.steps))
     more = WEIGHTED_STEPS if uneven(weight) else 1
     coarser: tuple[PhaseGrid, int, WavePlan] | None = None
     for here, span, steps in stages:
-        problem = PrimalDual(here, weight[grid.at(here.arc)[0]], settings)
-        guess = _taken_over(lines, here, span, *coarser) if coarser else problem.even_plan()
+        problem = PrimalDual(here, weight[grid.at(here.arc)[0]], wavelength)
+        guess = _taken_over(here, span, *coarser) if coarser else problem.even_plan()
         plan = problem.solved(guess, more * steps)
         coarser = here, span, plan
     return plan
 
 
-def planned_further(grid: PhaseGrid, plan: WavePlan, weight: FloatArray, settings: PrintSettings) -> WavePlan:
+def planned_further(grid: PhaseGrid, plan: WavePlan, weight: FloatArray, wavelength: float) -> WavePlan:
     """A plan with fewer births and deaths, for several times the work; arguments as of `planned`, and its plan."""
-    return PrimalDual(grid, weight, settings).solved(plan, MORE_STEPS)
+    return PrimalDual(grid, weight, wavelength).solved(plan, MORE_STEPS)
 
 
-def _taken_over(
-    lines: Contours, grid: PhaseGrid, layers: int, coarse: PhaseGrid, coarse_layers: int, plan: WavePlan
-) -> WavePlan:
+def _taken_over(grid: PhaseGrid, layers: int, coarse: PhaseGrid, coarse_layers: int, plan: WavePlan) -> WavePlan:
     """The plan on a grid of every `coarse_layers` layers as a first guess for that on a grid of every `layers`."""
     if not len(coarse.arc):
         usual = np.zeros(len(grid.arc))
         return WavePlan(usual, usual, usual, plan.level)
-    place, loop = grid.raised(lines, grid.arc, grid.loop, coarse_layers)
+    place, loop = grid.raised(grid.arc, grid.loop, coarse_layers)
     known = ~np.isnan(place)
     node = np.maximum(coarse.lookup.before(np.where(known, place, 0.0)), 0)
     known &= coarse.loop[node] == loop

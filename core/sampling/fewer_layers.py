@@ -12,7 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contours.contours import Contours
 from ..lookup import Lookup
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import sums
@@ -49,9 +48,9 @@ class FewerLayers:
     place: FloatArray
     loop: IntArray
 
-    def everywhere(self, lines: Contours, phase: Phase) -> Phase:
+    def everywhere(self, phase: Phase) -> Phase:
         """The phase on all layers, from that on the grid of fewer."""
-        grid, few = self.all, self.few
+        grid, few, lines = self.all, self.few, self.all.lines
         node = np.flatnonzero(~self.kept)
         low, share = few.at(self.place[node])
         up = np.full(len(grid.arc), -1)
@@ -97,29 +96,29 @@ class FewerLayers:
         return np.where(from_before | from_after, mixed, 0.0)
 
 
-def fewer_layers(lines: Contours, grid: PhaseGrid, layers: int, tear: float) -> FewerLayers:
+def fewer_layers(grid: PhaseGrid, layers: int, tear: float) -> FewerLayers:
     """Keep every so many layers, counted from the top; neighbors whose images lie `tear` mm farther apart are torn."""
-    below = int(lines.layer.max(initial=0)) - lines.layer
+    below = grid.lines.below_top
     kept = below % layers == 0
     place, up = grid.above.copy(), grid.loop[grid.low]
     onto = up.copy()
     for number in range(1, layers + 1):
         node = np.flatnonzero((below % layers == number % layers)[grid.loop])
         onward = node[grid.linked[node] & ~kept[up[node]]]
-        place[onward], onto[onward] = _through(lines, grid, place, onto, onward, tear)
+        place[onward], onto[onward] = _through(grid, place, onto, onward, tear)
         if number < layers:
-            kept[_lost(lines, grid, node, place[node], onto[node], tear)] = True
+            kept[_lost(grid, node, place[node], onto[node], tear)] = True
     stay = kept[grid.loop]
     node = np.flatnonzero(stay)
-    few = linked_grid(lines, grid.point[node], grid.loop[node], place[node], onto[node], tear)
-    return FewerLayers(grid, _with_extremes(lines, grid, few, stay, place, onto, tear), stay, place, onto)
+    few = linked_grid(grid.lines, grid.point[node], grid.loop[node], place[node], onto[node], tear)
+    return FewerLayers(grid, _with_extremes(grid, few, stay, place, onto, tear), stay, place, onto)
 
 
 def _through(
-    lines: Contours, grid: PhaseGrid, place: FloatArray, onto: IntArray, node: IntArray, tear: float
+    grid: PhaseGrid, place: FloatArray, onto: IntArray, node: IntArray, tear: float
 ) -> tuple[FloatArray, IntArray]:
     """Where nodes arrive, and on which contours, if what is above them arrives at `place` (K,) on contours `onto`."""
-    low, share = grid.low[node], grid.share[node]
+    lines, low, share = grid.lines, grid.low[node], grid.share[node]
     ahead = grid.ahead[low]
     begin, end, loop = place[low], place[ahead], onto[low]
     length, first = lines.length[loop], lines.arc_start[loop]
@@ -134,10 +133,10 @@ def _through(
     )
 
 
-def _lost(lines: Contours, grid: PhaseGrid, node: IntArray, place: FloatArray, onto: IntArray, tear: float) -> IntArray:
+def _lost(grid: PhaseGrid, node: IntArray, place: FloatArray, onto: IntArray, tear: float) -> IntArray:
     """The contours of nodes of which some arrive at no `place` (Q,), or whose length changes fast on the way."""
-    loop, size = grid.loop[node], len(lines.layer)
-    step = np.abs(image_steps(lines, grid.next_among(node), grid.length[node], place, onto, tear))
+    loop, size = grid.loop[node], len(grid.lines.layer)
+    step = np.abs(image_steps(grid.lines, grid.next_among(node), grid.length[node], place, onto, tear))
     missing = np.bincount(loop, np.isnan(place), size) > 0
     length = np.bincount(loop, np.where(np.isnan(step), 0.0, grid.length[node]), size)
     change = np.bincount(loop, np.nan_to_num(step), size) - length
@@ -145,17 +144,11 @@ def _lost(lines: Contours, grid: PhaseGrid, node: IntArray, place: FloatArray, o
 
 
 def _with_extremes(
-    lines: Contours,
-    grid: PhaseGrid,
-    few: PhaseGrid,
-    kept: BoolArray,
-    place: FloatArray,
-    onto: IntArray,
-    tear: float,
+    grid: PhaseGrid, few: PhaseGrid, kept: BoolArray, place: FloatArray, onto: IntArray, tear: float
 ) -> PhaseGrid:
     """The grid of fewer layers with what its edges have to hold on the layers between, too."""
     node = np.flatnonzero(~kept)
-    step = np.abs(image_steps(lines, grid.next_among(node), grid.length[node], place[node], onto[node], tear))
+    step = np.abs(image_steps(grid.lines, grid.next_among(node), grid.length[node], place[node], onto[node], tear))
     some = np.flatnonzero(step > SHRUNK * grid.length[node])
     ratio = grid.length[node[some]] / step[some]
     low = few.lookup.before(place[node[some]])

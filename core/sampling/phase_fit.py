@@ -19,7 +19,6 @@ import numpy as np
 
 from ..model import FloatArray
 from ..parallel import product
-from ..settings import PrintSettings
 from .phase import Phase
 from .phase_grid import PhaseGrid
 
@@ -49,14 +48,14 @@ class FitEffort(NamedTuple):
 class PhaseFit:
     """The fit on one grid."""
 
-    def __init__(self, grid: PhaseGrid, phase: Phase, weight: FloatArray, settings: PrintSettings) -> None:
+    def __init__(self, grid: PhaseGrid, phase: Phase, weight: FloatArray, wavelength: float) -> None:
         """Take births and deaths over from a phase that fits roughly.
 
         Args:
             grid: of K nodes.
             phase: on the grid.
             weight: (K,) how much each node's seam matters, 1 as a rule.
-            settings: the wavelength is used.
+            wavelength: λ, mm.
         """
         self.grid, self.turns = grid, phase.turns
         filled = grid.start[1:] > grid.start[:-1]
@@ -69,11 +68,11 @@ class PhaseFit:
         reach = (grid.length + grid.length[grid.behind]) / 2
         usual = float(np.median(reach)) if len(reach) else 1.0
         self.weight = weight * np.clip(reach / usual, 0.05, 3.0) * linked
-        self.least, self.most = grid.bounds(settings.wavelength, MARGIN)
-        self.target = grid.length / (settings.wavelength * np.sqrt(2))
+        self.least, self.most = grid.bounds(wavelength, MARGIN)
+        self.target = grid.length / (wavelength * np.sqrt(2))
         self.visible = VISIBLE * grid.span
         self.broken = np.minimum(BROKEN * grid.span, MOST_BROKEN)
-        self.stiffness = (settings.wavelength / np.maximum(grid.length, 1e-9)) ** 2
+        self.stiffness = (wavelength / np.maximum(grid.length, 1e-9)) ** 2
 
     def solved(self, effort: FitEffort) -> Phase:
         """The fitted phase."""

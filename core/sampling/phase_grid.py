@@ -22,6 +22,7 @@ class PhaseGrid:
     """K nodes on the contours that carry the pattern, in order of their arcs; edge i leads from node i to the next.
 
     Attributes:
+        lines: the contours.
         point: (K,) int64, the contour point that each node is.
         arc: (K,) mm.
         start: (M + 1,) int64, where each contour's nodes start.
@@ -42,6 +43,7 @@ class PhaseGrid:
         lookup: finds arcs among those of the nodes.
     """
 
+    lines: Contours
     point: IntArray
     arc: FloatArray
     start: IntArray
@@ -69,22 +71,22 @@ class PhaseGrid:
         """(K,) the least and the most waves on each edge, a share `margin` within the bounds on the spacing."""
         return self.longest / (2 * wavelength) * (1 + margin), self.shortest / wavelength * (1 - margin)
 
-    def coarser(self, lines: Contours, stride: int) -> PhaseGrid:
+    def coarser(self, stride: int) -> PhaseGrid:
         """Every so many nodes of each contour, at least four, and all where a tear begins or ends."""
         torn = np.isnan(self.step)
-        return self.picked(lines, np.flatnonzero(self._regular(stride) | (torn != torn[self.behind])))
+        return self.picked(np.flatnonzero(self._regular(stride) | (torn != torn[self.behind])))
 
-    def picked(self, lines: Contours, node: IntArray) -> PhaseGrid:
+    def picked(self, node: IntArray) -> PhaseGrid:
         """Some of the nodes, among them the first of each contour; edges with a tear on the way are torn."""
         torn = np.isnan(self.step)
         bad = starts(torn.astype(np.int64))
         way = np.concatenate([[0.0], np.cumsum(np.nan_to_num(self.step))])
         loop = self.loop[node]
-        begin = starts(np.bincount(loop, minlength=len(lines.layer)))
+        begin = starts(np.bincount(loop, minlength=len(self.lines.layer)))
         ahead = following(begin)
         end = np.where(ahead > np.arange(len(node)), node[ahead], self.start[loop + 1])
         step = np.where(bad[end] == bad[node], way[end] - way[node], np.nan)
-        return grid_of(lines, self.point[node], loop, self.above[node], step)
+        return grid_of(self.lines, self.point[node], loop, self.above[node], step)
 
     def at(self, place: FloatArray) -> tuple[IntArray, FloatArray]:
         """The node before each place (Q,), on a contour with nodes, and the share of the way to the next one."""
@@ -92,38 +94,38 @@ class PhaseGrid:
         node = self.lookup.before(place)
         return node, np.minimum((place - self.arc.take(node)) / self.length.take(node), 1.0)
 
-    def raised(self, lines: Contours, place: FloatArray, loop: IntArray, layers: int) -> tuple[FloatArray, IntArray]:
+    def raised(self, place: FloatArray, loop: IntArray, layers: int) -> tuple[FloatArray, IntArray]:
         """Places (Q,) on contours (Q,) carried up until they are on every so many layers, counted from the top.
 
         Returns:
             (Q,) arcs, NaN of what does not lead there, and (Q,) their contours.
         """
-        passed = (int(lines.layer.max(initial=0)) - lines.layer) % layers > 0
+        passed = self.lines.below_top % layers > 0
         place, loop = place.copy(), loop.copy()
         for _ in range(layers):
             asked = np.flatnonzero(passed.take(loop) & ~np.isnan(place))
             if not len(asked):
                 break
-            place[asked], loop[asked] = self._images(lines, place[asked])
+            place[asked], loop[asked] = self._images(place[asked])
         return place, loop
 
-    def _images(self, lines: Contours, place: FloatArray) -> tuple[FloatArray, IntArray]:
+    def _images(self, place: FloatArray) -> tuple[FloatArray, IntArray]:
         """The images (Q,) of places (Q,), NaN where there is none, and the contours that they are on."""
         node, share = self.at(place)
         torn = np.isnan(self.step[node])
         nearer = np.where(share < 0.5, node, self.ahead[node])
         image = np.where(torn, self.above[nearer], self.above[node] + share * self.step[node])
         up = self.loop[self.low[np.where(torn, nearer, node)]]
-        return brought_back(lines, image, up), up
+        return brought_back(self.lines, image, up), up
 
-    def spanning(self, lines: Contours, layers: int, tear: float) -> PhaseGrid:
+    def spanning(self, layers: int, tear: float) -> PhaseGrid:
         """Only every so many layers, counted from the top, linked to one another over those between them.
 
         Neighbors whose images lie `tear` mm farther apart than they do are torn.
         """
-        fine = np.flatnonzero(((int(lines.layer.max(initial=0)) - lines.layer) % layers == 0)[self.loop])
-        above, up = self.raised(lines, self.above[fine], self.loop[self.low[fine]], layers)
-        return linked_grid(lines, self.point[fine], self.loop[fine], above, up, tear)
+        fine = np.flatnonzero((self.lines.below_top % layers == 0)[self.loop])
+        above, up = self.raised(self.above[fine], self.loop[self.low[fine]], layers)
+        return linked_grid(self.lines, self.point[fine], self.loop[fine], above, up, tear)
 
     def next_among(self, node: IntArray) -> IntArray:
         """(Q,) which of some nodes (Q,), all of some contours, comes next around the contour."""
@@ -131,9 +133,9 @@ class PhaseGrid:
         number[node] = np.arange(len(node))
         return np.asarray(number[self.ahead[node]])
 
-    def every(self, lines: Contours, stride: int) -> PhaseGrid:
+    def every(self, stride: int) -> PhaseGrid:
         """Only every so many nodes of each contour, at least four."""
-        return self.picked(lines, np.flatnonzero(self._regular(stride)))
+        return self.picked(np.flatnonzero(self._regular(stride)))
 
     def _regular(self, stride: int) -> BoolArray:
         """(K,) every so many nodes of each contour, at least four."""
@@ -209,6 +211,7 @@ def grid_of(lines: Contours, point: IntArray, loop: IntArray, above: FloatArray,
     has = np.flatnonzero(~np.isnan(above))
     low, share, lookup = np.zeros(size, dtype=np.int64), np.zeros(size), Lookup(arc)
     grid = PhaseGrid(
+        lines=lines,
         point=point,
         arc=arc,
         start=start,

@@ -10,40 +10,40 @@ import numpy as np
 from ..contours.contours import Contours, long_enough, loop_of
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, ranges, starts
-from ..settings import PrintSettings
 from .phase_grid import PhaseGrid, brought_back, image_steps, lengths, linked_grid
 from .projector import Projector
 
-# Every so many contour points is a node, and each contour has at least so many nodes.
-# One in so many contour points is searched for on the whole layer above, at least so many of each contour, but at most
-# every other node. The rest is looked for near the images of its neighbors.
-STATION_STRIDE, LEAST_NODES = 3, 8
+# Contour points from node to node, and the least number of nodes of a contour.
+STRIDE, LEAST_NODES = 3, 8
+# Contour points from node to node of those that are searched for on the whole layer above, and the least number of
+# these of a contour; at most every other node is one. The rest is looked for near the images of its neighbors.
 SEARCHED, LEAST_SEARCHED = 96, 4
 # Neighbors whose images lie farther apart than their own distance and this share of the wavelength are torn.
 TEAR = 1.0
-# So many times as many points are projected between torn neighbors.
+# Between torn neighbors this many times as many points are projected.
 FINER = 4
 
 
 def phase_grid(
-    lines: Contours,
-    projector: Projector,
-    settings: PrintSettings,
-    stride: int = STATION_STRIDE,
-    searched_stride: int = SEARCHED,
+    projector: Projector, wavelength: float, stride: int = STRIDE, searched_stride: int = SEARCHED
 ) -> PhaseGrid:
-    """A grid with a node every so many contour points, and closer ones where the surface is torn.
+    """A grid with a node for every `stride` contour points, and closer ones where the surface is torn.
 
-    One in `searched_stride` contour points is searched for on the whole layer above.
+    Args:
+        projector: made for the contours.
+        wavelength: λ, mm.
+        stride: contour points from node to node.
+        searched_stride: contour points from node to node of those that are searched for on the whole layer above.
     """
-    usable = long_enough(lines.length, settings)
+    lines = projector.lines
+    usable = long_enough(lines.length, wavelength)
     every = _strides(lines, stride)
     many = np.where(usable, -(-np.diff(lines.start) // every), 0)
     loop, rank = np.repeat(np.arange(len(many)), many), ranges(0, many)
     node = lines.start[loop] + rank * every[loop]
-    tear = TEAR * settings.wavelength
+    tear = TEAR * wavelength
     searched = rank % np.clip(many // LEAST_SEARCHED, 2, searched_stride // every)[loop] == 0
-    above, up = _followed_images(lines, projector, node, loop, searched, usable, tear)
+    above, up = _followed_images(projector, node, loop, searched, usable, tear)
     ahead = following(starts(many))
     step = image_steps(lines, ahead, lengths(lines, lines.arc[node], loop, ahead), above, up, tear)
     torn = np.flatnonzero(np.isnan(step))
@@ -53,7 +53,7 @@ def phase_grid(
     many = (length - 1) // finer
     between = np.repeat(node[torn], many) + ranges(1, many) * finer
     around = np.repeat(loop[torn], many)
-    image, there = _images(lines, projector, between, around, usable)
+    image, there = _images(projector, between, around, usable)
     node, loop = np.append(node, between), np.append(loop, around)
     order = np.argsort(node, kind="stable")
     node, loop = node[order], loop[order]
@@ -67,7 +67,6 @@ def _strides(lines: Contours, stride: int) -> IntArray:
 
 
 def _followed_images(
-    lines: Contours,
     projector: Projector,
     node: IntArray,
     loop: IntArray,
@@ -79,9 +78,10 @@ def _followed_images(
 
     Where neighbors among these have neighboring images, the images of the nodes between them lie near the line between.
     """
+    lines = projector.lines
     above, up = np.full(len(node), np.nan), np.zeros(len(node), dtype=np.int64)
     point, own = node[searched], loop[searched]
-    image, there = _images(lines, projector, point, own, usable)
+    image, there = _images(projector, point, own, usable)
     above[searched], up[searched] = image, there
     arc = lines.arc[point]
     ahead = following(starts(np.bincount(own, minlength=len(lines.layer))))
@@ -96,17 +96,16 @@ def _followed_images(
     place, distance = projector.nearby(projector.spot[at], guess, there[owner])
     above[near], up[near] = np.where(distance <= projector.threshold, place, np.nan), there[owner]
     others = np.flatnonzero(~searched & np.isnan(above))
-    above[others], up[others] = _images(lines, projector, node[others], loop[others], usable)
+    above[others], up[others] = _images(projector, node[others], loop[others], usable)
     return above, up
 
 
-def _images(
-    lines: Contours, projector: Projector, point: IntArray, loop: IntArray, usable: BoolArray
-) -> tuple[FloatArray, IntArray]:
+def _images(projector: Projector, point: IntArray, loop: IntArray, usable: BoolArray) -> tuple[FloatArray, IntArray]:
     """Arcs of the images of points of contours on the layer above, and their contours.
 
     NaN, with some contour, where none is near enough or carries the pattern.
     """
+    lines = projector.lines
     above = projector.above(projector.spot[point].view(np.float64).reshape(-1, 2), lines.layer[loop])
     up = loop_of(lines, np.nan_to_num(above))
     above[~usable[up]] = np.nan

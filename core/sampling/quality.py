@@ -65,7 +65,7 @@ class SeamErrors:
         }
 
 
-def phase_at(lines: Contours, samples: Samples, arc: FloatArray) -> FloatArray:
+def displacement_at(lines: Contours, samples: Samples, arc: FloatArray) -> FloatArray:
     """(Q,) t = cos(2πu) at places on the contours, NaN on a contour without samples."""
     loop = loop_of(lines, arc)
     has = np.diff(samples.start)[loop] > 0
@@ -81,7 +81,7 @@ def phase_at(lines: Contours, samples: Samples, arc: FloatArray) -> FloatArray:
     return np.where(has, np.cos(2 * np.pi * along / width), np.nan)
 
 
-def seam_errors(lines: Contours, samples: Samples, projector: Projector) -> SeamErrors:
+def seam_errors(samples: Samples, projector: Projector) -> SeamErrors:
     """Probe all contours that carry the pattern and compare each place with the one above it.
 
     Phase flips are left out of t, as in the paper. Probes with nothing above them, or only a contour without samples,
@@ -89,6 +89,7 @@ def seam_errors(lines: Contours, samples: Samples, projector: Projector) -> Seam
     """
     if not len(samples.arc):
         return SeamErrors(np.zeros(0), np.zeros(0))
+    lines = projector.lines
     arc, loop = places(lines, PROBE_SPACING)
     layers = int(lines.layer.max(initial=0))
     use: IntArray = np.flatnonzero((np.diff(samples.start)[loop] > 0) & (lines.layer[loop] < layers))
@@ -96,5 +97,5 @@ def seam_errors(lines: Contours, samples: Samples, projector: Projector) -> Seam
     above, distance = projector.project(projector.at(arc), lines.layer[loop] + 1)
     found = np.isfinite(distance)
     error = np.full(len(arc), np.nan)
-    error[found] = (phase_at(lines, samples, arc[found]) - phase_at(lines, samples, above[found])) ** 2
+    error[found] = (displacement_at(lines, samples, arc[found]) - displacement_at(lines, samples, above[found])) ** 2
     return SeamErrors(arc, error)

@@ -24,7 +24,6 @@ import numpy as np
 from ..model import BoolArray, FloatArray
 from ..ragged import sums
 from ..records import dataclass
-from ..settings import PrintSettings
 from .phase_grid import PhaseGrid
 from .projector import Projector
 from .samples import Samples
@@ -93,7 +92,7 @@ def polished(
     samples: Samples,
     weight: FloatArray,
     effort: Polish,
-    settings: PrintSettings,
+    wavelength: float,
 ) -> tuple[Samples, float]:
     """Samples with less visible seams, their spacings in [λ, 2λ), and how much of the contours is seen to be a seam.
 
@@ -103,7 +102,7 @@ def polished(
         samples: at least one on each contour that the grid knows.
         weight: (N,) how much a seam at each contour point matters.
         effort: how much to do.
-        settings: the wavelength is used.
+        wavelength: λ, mm.
     """
     lines = projector.lines
     waves = MovingSamples(lines, samples)
@@ -118,11 +117,11 @@ def polished(
     pairs = pairs_between(projector, grid, waves, node, free, weight, effort.apart)
     best, best_place = np.inf, waves.place
     for stage in effort.stages:
-        _descend(waves, pairs, stage, effort.exact, free, settings.wavelength)
+        _descend(waves, pairs, stage, effort.exact, free, wavelength)
         seen = waves.seen(pairs, effort.exact)
         if seen < best:
             best, best_place = seen, waves.place
-    samples = Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + best_place, waves.loop, settings))
+    samples = Samples.on(lines, bounded(lines, lines.arc_start[waves.loop] + best_place, waves.loop, wavelength))
     patterned = sums(weight, lines.start)[np.diff(samples.start) > 0].sum() * lines.arc_start[-1] / len(lines.arc)
     return samples, float(best / patterned)
 

@@ -6,8 +6,7 @@ import numpy as np
 
 from ..contours.contours import Contours, long_enough, on_loop
 from ..model import BoolArray, FloatArray, IntArray
-from ..ragged import following, ranges, starts
-from ..settings import PrintSettings
+from ..ragged import following, preceding, ranges, starts
 
 # Spacings are compared with this slack, mm, so that rounding does not prune an exact fit.
 SLACK = 1e-9
@@ -76,14 +75,11 @@ def pruned(local: FloatArray, loop: IntArray, length: FloatArray, least: float) 
     """
     while True:
         gap, before = spacings(local, loop, length)
-        start = starts(np.bincount(loop, minlength=len(length)))
-        many = np.diff(start)[loop] > 1
-        short = (gap < least - SLACK) & many
+        short = gap < least - SLACK
         if not short.any():
             return local, loop
-        ahead = following(start)
-        behind = np.empty_like(ahead)
-        behind[ahead] = np.arange(len(ahead))
+        start = starts(np.bincount(loop, minlength=len(length)))
+        ahead, behind = following(start), preceding(start)
         chosen = short & _comes_first(gap, ahead) & _comes_first(gap, behind)
         doomed = np.where(before <= gap[ahead], np.arange(len(gap)), ahead)[chosen]
         keep = np.ones(len(gap), dtype=bool)
@@ -99,7 +95,18 @@ def _comes_first(gap: FloatArray, other: IntArray) -> BoolArray:
 def filled(
     local: FloatArray, loop: IntArray, length: FloatArray, usable: BoolArray, least: float
 ) -> tuple[FloatArray, IntArray]:
-    """Insert evenly spaced samples into gaps of twice `least` and more, and start empty loops."""
+    """Insert evenly spaced samples into gaps of twice `least` and more, as many as fit; empty loops get some likewise.
+
+    Args:
+        local: (S,) mm along its loop, increasing within each.
+        loop: (S,) of each sample, not decreasing.
+        length: (M,) mm of each loop.
+        usable: (M,) which loops are to have samples.
+        least: λ, mm.
+
+    Returns:
+        Places and loops of all samples.
+    """
     gap, _ = spacings(local, loop, length)
     has = np.zeros(len(length), dtype=bool)
     has[loop] = True
@@ -128,7 +135,7 @@ def _on_contours(local: FloatArray, loop: IntArray, length: FloatArray) -> Float
     return local
 
 
-def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSettings) -> FloatArray:
+def bounded(lines: Contours, arc: FloatArray, loop: IntArray, least: float) -> FloatArray:
     """Samples near the given ones with every spacing in [λ, 2λ), on all contours at once.
 
     Neighbors that are too close push each other apart, those too far apart pull each other together. Where the number
@@ -138,18 +145,17 @@ def bounded(lines: Contours, arc: FloatArray, loop: IntArray, settings: PrintSet
         lines: M contours.
         arc: (S,) mm, the samples.
         loop: (S,) their contours.
-        settings: the wavelength is used.
+        least: λ, mm.
 
     Returns:
         Increasing arcs; none on contours too short for the pattern.
     """
-    least = settings.wavelength
     local, loop = in_order(arc - lines.arc_start[loop], loop)
     start = starts(np.bincount(loop, minlength=len(lines.layer)))
     local = pushed(local, loop, start, lines.length, least)
     local, loop = in_order(_on_contours(local, loop, lines.length), loop)
     local, loop = pruned(local, loop, lines.length, least)
-    local, loop = filled(local, loop, lines.length, long_enough(lines.length, settings), least)
+    local, loop = filled(local, loop, lines.length, long_enough(lines.length, least), least)
     return np.sort(on_loop(lines.arc_start[loop] + local, loop, lines.arc_start), kind="stable")
 
 

@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 from ..model import FloatArray
 from ..parallel import product
 from ..records import dataclass
-from ..settings import PrintSettings
 from .curl import Curl, Singles
 from .phase_grid import PhaseGrid
 
@@ -70,16 +69,16 @@ class PrimalDual:
     of the linear map, which holds the number of all waves, so that the mean spacing stays what it should be.
     """
 
-    def __init__(self, grid: PhaseGrid, weight: FloatArray, settings: PrintSettings) -> None:
+    def __init__(self, grid: PhaseGrid, weight: FloatArray, wavelength: float) -> None:
         """Set up the problem.
 
         Args:
             grid: of K nodes.
             weight: (K,) what a birth or a death above the edge from each node costs.
-            settings: the wavelength is used.
+            wavelength: λ, mm.
         """
         self.curl = curl = Curl(grid)
-        self.usual = usual = grid.length / (settings.wavelength * np.sqrt(2))
+        self.usual = usual = grid.length / (wavelength * np.sqrt(2))
         share = WEIGHTED_SHARE if uneven(weight) else PRIMAL_SHARE
         mean = grid.stands_for / grid.stands_for.mean() if len(usual) else usual
         self.goal = product(mean, usual)
@@ -87,7 +86,7 @@ class PrimalDual:
         step = share / np.stack([by_waves + mean, np.maximum(by_slide, 1)])
         # Sliding and uneven spacing are pulled back implicitly, by this factor.
         keep = 1 / (1 + step * np.stack([UNEVEN_COST / usual, np.full(len(usual), SLIDE_COST)]))
-        fewest, most = grid.bounds(settings.wavelength, MARGIN)
+        fewest, most = grid.bounds(wavelength, MARGIN)
         self.mean, self.keep, self.step = _single(mean), _single(keep), _single(step * keep)
         self.least, self.most = (
             _single(np.stack(rows)) for rows in ([fewest, -SLIDE * grid.span], [most, SLIDE * grid.span])

@@ -17,11 +17,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..contours.contours import Contours
 from ..lookup import Lookup
 from ..model import FloatArray, IntArray
 from ..ragged import starts, sums
-from ..settings import PrintSettings
 from .phase import Phase
 from .phase_grid import PhaseGrid
 from .wave_plan import WavePlan
@@ -37,25 +35,24 @@ SMOOTHINGS = 2
 MENDINGS = 2
 
 
-def feasible_turns(grid: PhaseGrid, settings: PrintSettings) -> tuple[FloatArray, FloatArray]:
+def feasible_turns(grid: PhaseGrid, wavelength: float) -> tuple[FloatArray, FloatArray]:
     """(M,) fewest and (M,) most waves that fit on each contour, and on those that it stands for between the layers."""
-    most = np.floor(sums(grid.shortest, grid.start) / settings.wavelength + 1e-9)
-    fewest = np.floor(sums(grid.longest, grid.start) / (2 * settings.wavelength)) + 1
+    most = np.floor(sums(grid.shortest, grid.start) / wavelength + 1e-9)
+    fewest = np.floor(sums(grid.longest, grid.start) / (2 * wavelength)) + 1
     # A short contour that is much longer or shorter than those between has at least the waves that it holds itself.
     return np.minimum(fewest, np.maximum(most, 2)), np.maximum(most, 2)
 
 
-def rounded(lines: Contours, grid: PhaseGrid, plan: WavePlan, stray: float, settings: PrintSettings) -> Phase:
+def rounded(grid: PhaseGrid, plan: WavePlan, stray: float, wavelength: float) -> Phase:
     """The phase with whole numbers of waves that follows a plan.
 
     Args:
-        lines: M contours.
-        grid: K nodes on them.
+        grid: K nodes on M contours.
         plan: waves and slides in fractions.
         stray: what share of the waves around a contour the phase may stray from it before one is added or dropped.
-        settings: the wavelength is used.
+        wavelength: λ, mm.
     """
-    work = _Rounding(lines, grid, plan, stray, settings)
+    work = _Rounding(grid, plan, stray, wavelength)
     for here, there in pairwise(work.cuts.tolist()):
         work.layer(*(slice(begin, end) for begin, end in zip(here, there, strict=True)))
     return Phase(work.plain + work.lack, work.turns.astype(np.int64))
@@ -125,13 +122,13 @@ class _Rounding:
     be. `excess` counts the waves that the layers up to the present one have more than planned.
     """
 
-    def __init__(self, lines: Contours, grid: PhaseGrid, plan: WavePlan, stray: float, settings: PrintSettings) -> None:
+    def __init__(self, grid: PhaseGrid, plan: WavePlan, stray: float, wavelength: float) -> None:
         self.total = sums(plan.waves, grid.start)
         self.plain = _before(plan.waves) - _before(self.total)[grid.loop]
         way = self.plain / np.maximum(self.total, 1e-9)[grid.loop]
         self.handed = handed = _HandedUp(grid, plan, self.plain, self.total)
         self.lack, self.value = np.zeros(len(grid.arc)), np.zeros(len(handed.source) + 1)
-        fewest, most = feasible_turns(grid, settings)
+        fewest, most = feasible_turns(grid, wavelength)
         self.turns = np.clip(np.rint(self.total), fewest, most) * (np.diff(grid.start) > 0)
         self.stands_for = sums(grid.stands_for, grid.start) / np.maximum(np.diff(grid.start), 1)
         # What one wave in excess tilts the plan by on each contour and those above it.
@@ -139,7 +136,8 @@ class _Rounding:
         self.haste = HASTE / np.maximum(planned.sum() - _before(planned), 1.0)
         self.excess = 0.0
         # Where each layer's contours begin, their nodes, those of them that get something, and what they get.
-        loops = np.searchsorted(lines.layer, np.arange(int(lines.layer.max(initial=-1)) + 2))
+        layer = grid.lines.layer
+        loops = np.searchsorted(layer, np.arange(int(layer.max(initial=-1)) + 2))
         known = np.searchsorted(handed.contour, loops)
         cuts = np.stack([loops, grid.start[loops], known, handed.start[known]], axis=1)
         self.cuts = cuts = cuts[np.append(True, np.diff(cuts[:, 1]) > 0)] if len(cuts) else cuts

@@ -83,7 +83,7 @@ def test_lines_go_on_over_less_than_half_a_wavelength(tube):
         along = 20 + step * WAVE.wavelength * (np.arange(len(tube.layers)) >= half)
         samples = Samples.on(lines, lines.arc_start[:-1] + along)
         projector = Projector(lines, WAVE.projection_threshold)
-        found = tracelines(lines, samples, projector, WAVE.wavelength)
+        found = tracelines(samples, projector, WAVE.wavelength)
         assert len(found.start) - 1 == count
         assert found.birth.sum() == found.death.sum() == count - 1
 

@@ -5,7 +5,7 @@ import pytest
 import shapely
 from dualcolor.core.contours.contours import average_along_wall
 from dualcolor.core.pattern.modulation import faded, layer_sign, shape, supported, wave_reach
-from dualcolor.core.sampling.quality import phase_at
+from dualcolor.core.sampling.quality import displacement_at
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.pattern_stages import WAVE, WAVE_OFFSET, lines_of, printed
 from dualcolor.tests.solids import box, cylinder, joined
@@ -128,7 +128,7 @@ def test_polyline_stays_within_the_chord_tolerance_and_wastes_no_points():
     local = np.linspace(0, lines.length[0], 20_000, endpoint=False)
     before, after, share = lines.locate(local)
     base = lines.points[before] + share[:, None] * (lines.points[after] - lines.points[before])
-    true = base * (1 + (phase_at(lines, samples, local) * 0.375 / np.hypot(*base.T)))[:, None]
+    true = base * (1 + (displacement_at(lines, samples, local) * 0.375 / np.hypot(*base.T)))[:, None]
     off = shapely.distance(ring, shapely.points(true)).max()
     assert 0.3 * tolerance < off <= tolerance
     waves = samples.start[1]

@@ -19,8 +19,8 @@ SETTINGS = PrintSettings(pattern="wave", wavelength=1.2)
 def grids(model, layers=4):
     cut = slices(triangulate(model, SETTINGS), SETTINGS)
     lines = contours(cut.outlines, cut.loop_polygon, SETTINGS)
-    grid = phase_grid(lines, Projector(lines, SETTINGS.projection_threshold), SETTINGS, 12)
-    return lines, grid, fewer_layers(lines, grid, layers, 2.4)
+    grid = phase_grid(Projector(lines, SETTINGS.projection_threshold), SETTINGS.wavelength, 12)
+    return lines, grid, fewer_layers(grid, layers, 2.4)
 
 
 def test_nodes_between_the_layers_that_are_kept_lead_straight_up_to_them():
@@ -48,7 +48,7 @@ def test_sliding_is_shared_evenly_by_the_layers_between():
     slide = (phase.at(few.low, few.share, few) - phase.value)[few.linked]
     slide = np.mod(slide + 0.5, 1) - 0.5
     assert np.ptp(slide) < 0.01 < slide.mean() < 0.4
-    whole = layers.everywhere(lines, phase)
+    whole = layers.everywhere(phase)
     assert (whole.turns == 36).all()
     node = np.flatnonzero(grid.linked)
     link = whole.at(grid.low[node], grid.share[node], grid) - whole.value[node]

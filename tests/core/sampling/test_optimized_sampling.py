@@ -14,7 +14,7 @@ from dualcolor.core.pattern.wave import modulated, waved
 from dualcolor.core.sampling.coarse_to_fine import Level, Search
 from dualcolor.core.sampling.curl import Curl
 from dualcolor.core.sampling.optimized import optimized_samples
-from dualcolor.core.sampling.paper import sample
+from dualcolor.core.sampling.paper import paper_samples
 from dualcolor.core.sampling.projected_grid import phase_grid
 from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
@@ -48,7 +48,7 @@ def lines_of(model, settings=DEFAULT):
 
 def both(lines, settings=DEFAULT, visibility=None):
     projector = Projector(lines, settings.projection_threshold)
-    plain, best = sample(lines, projector, settings), optimized_samples(lines, projector, settings, visibility)
+    plain, best = paper_samples(projector, settings), optimized_samples(projector, settings, visibility)
     return plain, best, projector
 
 
@@ -56,7 +56,7 @@ def assert_bounds(lines, samples, settings=DEFAULT):
     gap = samples.spacing(lines)
     assert (gap >= settings.wavelength - 1e-6).all()
     assert (gap < 2 * settings.wavelength).all()
-    assert ((np.diff(samples.start) > 0) == long_enough(lines.length, settings)).all()
+    assert ((np.diff(samples.start) > 0) == long_enough(lines.length, settings.wavelength)).all()
     assert (np.diff(samples.arc) > 0).all()
     assert (np.searchsorted(lines.arc_start, samples.arc, side="right") - 1 == samples.loop).all()
 
@@ -96,7 +96,7 @@ def test_spacing_is_bounded_on_random_solids(seed, wavelength):
 def test_any_samples_are_brought_within_the_bounds(shares):
     lines = lines_of(cylinder(radius=5, height=0.25))
     arc = np.sort(np.array(shares)) * lines.length[0]
-    bound = bounded(lines, arc, np.zeros(len(arc), dtype=np.int64), DEFAULT)
+    bound = bounded(lines, arc, np.zeros(len(arc), dtype=np.int64), DEFAULT.wavelength)
     gap = np.diff(np.append(bound, bound[0] + lines.length[0]))
     assert ((gap >= 1.2 - 1e-6) & (gap < 2.4)).all()
     fits = 1.201 < lines.length[0] / len(arc) < 2.399
@@ -128,7 +128,7 @@ def test_a_cylinder_has_no_seam_and_the_usual_spacing():
     _, best, projector = both(lines)
     assert len(set(np.diff(best.start))) == 1
     assert best.spacing(lines).mean() == pytest.approx(1.2 * 2**0.5, rel=0.02)
-    errors = seam_errors(lines, best, projector)
+    errors = seam_errors(best, projector)
     assert np.nanmax(errors.error) < 1e-4
 
 
@@ -137,7 +137,7 @@ def test_a_cone_that_narrows_less_than_twofold_keeps_all_its_waves():
     plain, best, projector = both(lines)
     assert len(set(np.diff(best.start))) == 1
     assert len(set(np.diff(plain.start))) > 3
-    assert seam_errors(lines, best, projector).shares(1)["salient"] == 0
+    assert seam_errors(best, projector).shares(1)["salient"] == 0
 
 
 @pytest.mark.parametrize("profile", [[[10, 0], [4, 30]], [[4, 0], [10, 30]]], ids=["narrows", "widens"])
@@ -153,9 +153,9 @@ def test_a_cone_that_changes_more_has_few_more_births_or_deaths_than_it_must(pro
 def test_curl_of_waves_that_follow_the_projection_is_none():
     """On a solid whose contours are alike, each stretch has as many waves as what lies above it."""
     lines = lines_of(cylinder(radius=6, height=3))
-    grid = phase_grid(lines, Projector(lines, 0.6), DEFAULT)
-    curl = Curl(grid.coarser(lines, 4))
-    coarse = grid.coarser(lines, 4)
+    grid = phase_grid(Projector(lines, 0.6), DEFAULT.wavelength)
+    curl = Curl(grid.coarser(4))
+    coarse = grid.coarser(4)
     assert curl.whole.sum() == (np.diff(coarse.start)[:-1]).sum()
     many = len(coarse.arc)
     born, back = np.empty(many, dtype=np.float32), np.empty((2, many), dtype=np.float32)
@@ -171,7 +171,7 @@ def test_curl_of_waves_that_follow_the_projection_is_none():
 def test_nodes_are_linked_to_what_lies_above_them():
     lines = lines_of(lathe([[10, 0], [7, 4]]))
     projector = Projector(lines, 0.6)
-    grid = phase_grid(lines, projector, DEFAULT)
+    grid = phase_grid(projector, DEFAULT.wavelength)
     node = np.flatnonzero(grid.linked)
     here, above = projector.at(grid.arc[node]), projector.at(grid.above[node])
     low, high = projector.at(grid.arc[grid.low[node]]), projector.at(grid.arc[grid.ahead[grid.low[node]]])
@@ -183,7 +183,7 @@ def test_nodes_are_linked_to_what_lies_above_them():
 
 def test_where_the_next_layer_is_far_away_the_surface_is_torn():
     lines = lines_of(lathe([[10, 0], [10, 2], [6, 2], [6, 4]]))
-    grid = phase_grid(lines, Projector(lines, 0.6), DEFAULT)
+    grid = phase_grid(Projector(lines, 0.6), DEFAULT.wavelength)
     layer = lines.layer[grid.loop]
     assert set(layer[np.isnan(grid.step)]) == {7, 15}
 
@@ -207,7 +207,7 @@ def test_real_models_have_fewer_seams_than_by_the_paper(data, name, height):
     lines = lines_of(obj_model(data / "meshes" / name, height))
     plain, best, projector = both(lines)
     assert_bounds(lines, best)
-    before, after = (seam_errors(lines, some, projector).shares(len(some.arc)) for some in (plain, best))
+    before, after = (seam_errors(some, projector).shares(len(some.arc)) for some in (plain, best))
     assert after["salient"] < 0.6 * before["salient"]
     assert after["error_free"] + after["imperceptible"] > 0.99
     assert best.spacing(lines).mean() == pytest.approx(1.2 * 2**0.5, abs=0.03)
@@ -262,7 +262,7 @@ def test_no_line_that_is_set_back_crosses_itself_or_another(data, name, black):
     tones = np.where(np.repeat(pieces, 7)[: len(lines.arc)], 0.0, 1.0)
     depth, set_back = modulated(lines, tones, np.zeros(len(tones)), settings)
     assert set_back.max() == settings.offset_max
-    none = pattern_samples(lines, Projector(lines, 0.6), settings)
+    none = pattern_samples(Projector(lines, 0.6), settings)
     assert crossing(waved(lines, none, tones, depth, widened(lines, tones, set_back, settings), settings)) == []
 
 
@@ -275,7 +275,7 @@ def test_seams_go_where_they_matter_less(data):
     plain, aimed, projector = both(lines, visibility=visibility)
 
     def seen(samples):
-        errors = seam_errors(lines, samples, projector)
+        errors = seam_errors(samples, projector)
         kept = ~errors.discarded
         weight = visibility[np.searchsorted(lines.arc, errors.arc[kept], side="right") - 1]
         return weight[errors.error[kept] >= 0.5].sum() / weight.sum()

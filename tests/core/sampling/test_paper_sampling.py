@@ -17,7 +17,7 @@ def spacing_is_bounded(lines, samples, settings=WAVE_OFFSET):
     gap = samples.spacing(lines)
     assert (gap >= settings.wavelength - 1e-6).all()
     assert (gap < 2 * settings.wavelength).all()
-    usable = long_enough(lines.length, settings)
+    usable = long_enough(lines.length, settings.wavelength)
     assert ((np.diff(samples.start) > 0) == usable).all()
     return True
 
@@ -113,7 +113,7 @@ def test_relaxation_evens_the_spacing_out():
 def test_a_cylinder_has_no_seam():
     lines = lines_of(cylinder(radius=10, height=5))
     samples, projector = sampled(lines)
-    errors = seam_errors(lines, samples, projector)
+    errors = seam_errors(samples, projector)
     assert np.nanmax(errors.error) < 1e-6
     assert not errors.discarded.any()
     assert errors.shares(1)["error_free"] == 1.0
@@ -127,7 +127,7 @@ def test_a_turned_layer_shows_the_error_of_its_turn():
     upper = samples.loop == 1
     arc[upper] += samples.spacing(lines)[upper] / 4
     turned = type(samples)(arc, samples.loop, samples.start)
-    error = seam_errors(lines, turned, projector).error
+    error = seam_errors(turned, projector).error
     assert error.mean() == pytest.approx(1.0, abs=0.02)
     assert error.max() == pytest.approx(2.0, abs=0.02)
 
@@ -135,7 +135,7 @@ def test_a_turned_layer_shows_the_error_of_its_turn():
 def test_probes_with_nothing_above_are_counted_as_discarded():
     lines = lines_of(lathe([[10, 0], [10, 2], [6, 2], [6, 4]]))
     samples, projector = sampled(lines)
-    errors = seam_errors(lines, samples, projector)
+    errors = seam_errors(samples, projector)
     per_layer = np.bincount(lines.layer[np.searchsorted(lines.arc_start, errors.arc, side="right") - 1])
     assert errors.discarded.sum() == per_layer[7]
 
@@ -148,7 +148,7 @@ def test_real_models_keep_the_bounds_of_the_paper(data, name, height, salient):
     lines = lines_of(obj_model(data / "meshes" / name, height))
     samples, projector = sampled(lines)
     assert spacing_is_bounded(lines, samples)
-    shares = seam_errors(lines, samples, projector).shares(len(samples.arc))
+    shares = seam_errors(samples, projector).shares(len(samples.arc))
     assert 0 < shares["salient"] <= salient
     assert shares["error_free"] > 0.79
     assert shares["discarded"] < 0.05

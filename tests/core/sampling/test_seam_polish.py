@@ -7,7 +7,7 @@ import pytest
 from dualcolor.core.contours.contours import contours
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.sampling.optimized import LONGER_POLISH, POLISH, QUICK_POLISH, optimized_samples
-from dualcolor.core.sampling.paper import sample
+from dualcolor.core.sampling.paper import paper_samples
 from dualcolor.core.sampling.projected_grid import phase_grid
 from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
@@ -44,8 +44,8 @@ def test_what_counts_as_seen_grows_as_it_should(doublings):
 @pytest.mark.parametrize("apart", [0.5, 1.0, 4.0])
 def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(vase, apart):
     projector = Projector(vase, SETTINGS.projection_threshold)
-    samples = optimized_samples(vase, projector, SETTINGS)
-    grid, waves = phase_grid(vase, projector, SETTINGS), MovingSamples(vase, samples)
+    samples = optimized_samples(projector, SETTINGS)
+    grid, waves = phase_grid(projector, SETTINGS.wavelength), MovingSamples(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.full(len(vase.arc), 0.5)
     pairs = pairs_between(projector, grid, waves, np.arange(len(grid.arc)), every, weight, apart)
     assert (pairs.along >= -1e-5).all()
@@ -63,15 +63,17 @@ def test_places_and_their_images_lie_in_the_waves_that_they_are_said_to_lie_in(v
 @pytest.mark.parametrize(("effort", "left"), [(QUICK_POLISH, 0.8), (POLISH, 0.7), (LONGER_POLISH, 0.25)])
 def test_polish_mends_samples_that_were_disturbed_and_tells_how_much_is_left(vase, effort, left):
     projector, weight = Projector(vase, SETTINGS.projection_threshold), np.ones(len(vase.arc))
-    even = optimized_samples(vase, projector, SETTINGS)
+    even = optimized_samples(projector, SETTINGS)
     away = np.random.default_rng(1).normal(0.0, 0.15, len(even.arc))
     arc = np.clip(even.arc + away, vase.arc_start[even.loop], vase.arc_start[even.loop + 1] - 1e-6)
-    before = Samples.on(vase, bounded(vase, arc, even.loop, SETTINGS))
-    after, seen = polished(projector, phase_grid(vase, projector, SETTINGS), before, weight, effort, SETTINGS)
+    before = Samples.on(vase, bounded(vase, arc, even.loop, SETTINGS.wavelength))
+    after, seen = polished(
+        projector, phase_grid(projector, SETTINGS.wavelength), before, weight, effort, SETTINGS.wavelength
+    )
     least = SETTINGS.wavelength
     assert after.spacing(vase).min() >= least - 1e-6
     assert after.spacing(vase).max() < 2 * least
-    salient = [seam_errors(vase, samples, projector).shares(len(samples.arc))["salient"] for samples in (before, after)]
+    salient = [seam_errors(samples, projector).shares(len(samples.arc))["salient"] for samples in (before, after)]
     assert salient[0] > 0.02
     assert salient[1] < left * salient[0]
     assert seen == pytest.approx(salient[1], rel=0.1)
@@ -79,12 +81,12 @@ def test_polish_mends_samples_that_were_disturbed_and_tells_how_much_is_left(vas
 
 def test_more_is_done_where_few_samples_are_near_seams(vase):
     projector, weight = Projector(vase, SETTINGS.projection_threshold), np.ones(len(vase.arc))
-    samples, grid = sample(vase, projector, SETTINGS), phase_grid(vase, projector, SETTINGS)
+    samples, grid = paper_samples(projector, SETTINGS), phase_grid(projector, SETTINGS.wavelength)
     more = replace(QUICK_POLISH, apart=2.0, few=0, more=None)
     little = replace(QUICK_POLISH, few=0, more=more)
 
     def seen(effort):
-        return polished(projector, grid, samples, weight, effort, SETTINGS)[1]
+        return polished(projector, grid, samples, weight, effort, SETTINGS.wavelength)[1]
 
     assert seen(replace(little, few=10**6)) == seen(more)
     assert seen(little) == seen(replace(little, more=None)) != seen(more)
@@ -92,8 +94,8 @@ def test_more_is_done_where_few_samples_are_near_seams(vase):
 
 def test_places_are_found_again_among_samples_that_have_moved(vase):
     projector = Projector(vase, SETTINGS.projection_threshold)
-    samples = optimized_samples(vase, projector, SETTINGS)
-    grid, waves = phase_grid(vase, projector, SETTINGS), MovingSamples(vase, samples)
+    samples = optimized_samples(projector, SETTINGS)
+    grid, waves = phase_grid(projector, SETTINGS.wavelength), MovingSamples(vase, samples)
     every, weight = np.ones(len(samples.arc), dtype=bool), np.ones(len(vase.arc))
     pairs = pairs_between(projector, grid, waves, np.arange(len(grid.arc)), every, weight, 1.0)
     loop = samples.loop[pairs.before]

@@ -37,8 +37,8 @@ def weighted(model, settings):
     projector = Projector(lines, settings.projection_threshold)
     shares = []
     for scheme in ("paper", "optimized"):
-        samples = pattern_samples(lines, projector, settings.changed({"sampling": scheme}), seen)
-        errors = seam_errors(lines, samples, projector)
+        samples = pattern_samples(projector, settings.changed({"sampling": scheme}), seen)
+        errors = seam_errors(samples, projector)
         weight = seen[lines.locate(errors.arc)[0]]
         report = errors.shares(len(samples.arc), weight)
         kept = ~errors.discarded
