@@ -75,7 +75,7 @@ def dump(result: DualColorPrint, path: Path) -> None:
     """Write the outlines before and after the wave as .npz, for independent checks.
 
     Arrays: layer_z (L,) of the object's layers, above the raft if there is one, loop_layer (M,), loop_start (M + 1,),
-    and for each of N outline points base_xy, wave_xy, phase (t before the layer's sign), depth (mm, peak to peak),
+    and for each of N outline points base_xy, wave_xy, phase (`WavedOutlines.wave`), depth (mm, peak to peak),
     tone, uv.
 
     Raises:
@@ -90,7 +90,7 @@ def dump(result: DualColorPrint, path: Path) -> None:
         loop_start=lines.start,
         base_xy=lines.base,
         wave_xy=lines.points,
-        phase=lines.phase,
+        phase=lines.wave,
         depth=lines.depth,
         tone=lines.tone,
         uv=lines.uv,

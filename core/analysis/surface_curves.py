@@ -6,7 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..contours.contours import Contours, places
+from ..contours.contours import Contours
+from ..contours.places import loop_of, places
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import starts
 from ..records import dataclass
@@ -81,12 +82,12 @@ def stretches(
     Args:
         lines: contours.
         plane: (L,) mm, height of each layer.
-        arc: (Q,) mm, increasing, places `quality.PROBE_SPACING` apart as `contours.places` makes them.
+        arc: (Q,) mm, increasing, places `quality.PROBE_SPACING` apart as `places.places` makes them.
         shown: (Q,) which of them.
         value: (Q,) carried along.
     """
     keep = np.flatnonzero(shown)
-    loop = np.searchsorted(lines.arc_start, arc[keep], side="right") - 1
+    loop = loop_of(lines, arc[keep])
     half = (lines.length / np.maximum(np.round(lines.length / PROBE_SPACING), 1))[loop] / 2
     begins = np.ones(len(keep), dtype=bool)
     begins[1:] = (keep[1:] != keep[:-1] + 1) | (loop[1:] != loop[:-1])

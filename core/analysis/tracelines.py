@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..contours.places import loop_of
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import starts
 from ..records import dataclass
@@ -77,14 +78,12 @@ def _nearest(samples: Samples, projector: Projector, step: int) -> tuple[IntArra
     found, away = np.zeros(len(layer), dtype=np.int64), np.full(len(layer), np.inf)
     inside = np.flatnonzero((layer >= 0) & (layer <= lines.layer.max(initial=0)))
     place, gap = projector.project(projector.at(samples.arc[inside]), layer[inside])
-    loop = np.clip(np.searchsorted(lines.arc_start, place, side="right") - 1, 0, max(len(lines.layer) - 1, 0))
+    loop = loop_of(lines, place)
     hit = np.isfinite(gap)
     hit[hit] = np.diff(samples.start)[loop[hit]] > 0
     inside, place, loop = inside[hit], place[hit], loop[hit]
-    first, last = samples.start[loop], samples.start[loop + 1] - 1
-    before = np.searchsorted(samples.arc, place, side="right") - 1
-    before = np.where(before < first, last, before)
-    after = np.where(before == last, first, before + 1)
+    before = samples.before(place, loop)
+    after = np.where(before + 1 == samples.start[loop + 1], samples.start[loop], before + 1)
     choices = np.stack([before, after])
     straight = np.abs(samples.arc[choices] - place)
     around = np.minimum(straight, lines.length[loop] - straight)

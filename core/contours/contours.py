@@ -7,23 +7,20 @@ and moved inwards by half a line width so that the strand's outer edge is the mo
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from ..lookup import Lookup
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import FloatArray, IntArray
 from ..parallel import runs_of_layers
-from ..ragged import ranges
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.outlines import Outlines
 from ..slicing.planes import elephant_foot, line_widths
-from .along_loops import around, box, dot, filtered, gaussian, steps
+from .along_loops import around, dot, filtered, gaussian, steps
 from .clearance import BLOCK, gaps
 from .inset import bend_room, inset
-from .resample import even_points, resampled
+from .resample import EvenPoints, even_points, resampled
 
 # Points along a contour: at least this many a wavelength.
 POINTS_PER_WAVELENGTH = 6
@@ -137,49 +134,84 @@ def contours(
         reach: how far room is looked for; None is as far as the settings ask for.
     """
     reach = reach or reach_of(settings)
-    even = even_points(outlines, settings.wavelength / POINTS_PER_WAVELENGTH, BLOCK)
-    count, start, layer = int(even.start[-1]), even.start, outlines.layer
-    step, face, carried = np.empty(count), np.empty(count, dtype=np.int64), np.empty((outlines.carried.shape[2], count))
-    points, normal = np.empty((2, count)), np.empty((2, count))
-    lines = Contours(
-        points=points.T,  # in rows: whoever takes coordinates one after the other finds them side by side
-        normal=normal.T,
-        start=start,
-        layer=layer,
-        polygon=loop_polygon,
-        arc=step,
-        arc_start=np.zeros(1),
-        face=face,
-        carried=carried.T,
-        width=np.empty(count),
-        room_inside=np.empty(count),
-        room_outside=np.zeros(count),
-    )
-    runs = list(runs_of_layers(layer, start, POINTS_AT_ONCE))
-    kernel, spacing = gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH), settings.wavelength / POINTS_PER_WAVELENGTH
-    for first, last in runs:
-        part, own = slice(start[first], start[last]), start[first : last + 1] - start[first]
-        points[:, part] = filtered(resampled(outlines, even, first, last, face[part], carried[:, part]), own, kernel)
-        normal[:, part] = _normals(points[:, part], own, kernel)
-    widest, squashed = line_widths(layer, settings), np.where(layer == 0, elephant_foot(settings), 0.0)
+    spacing, kernel = settings.wavelength / POINTS_PER_WAVELENGTH, gaussian(FILTER_SIGMA * POINTS_PER_WAVELENGTH)
+    even = even_points(outlines, spacing, BLOCK)
+    start, layer = even.start, outlines.layer
+    runs = [_Run(*loops, start) for loops in runs_of_layers(layer, start, POINTS_AT_ONCE)]
+    points, normal, face, carried = _filtered(outlines, even, runs, kernel)
+    widest, squash = line_widths(layer, settings), np.where(layer == 0, elephant_foot(settings), 0.0)
     greatest = float(widest.max(initial=0.0))
     # Farther than the widest lines reach, so that what is thicker is seen to be.
     most_inside = 2 * (greatest + max(reach.inwards, (2 * MOST_WIDTH - 2) * greatest))
     most_outside = 2 * (reach.outwards + NARROW_GAP) if reach.outwards else 0.0
     thickness, clearance = gaps(points, spacing, normal, start, layer, most_inside, most_outside)
-    for first, last in runs:
-        part, own = slice(start[first], start[last]), start[first : last + 1] - start[first]
-        line_width = np.repeat(widest[first:last], np.diff(own))
-        squash = np.repeat(squashed[first:last], np.diff(own)) if squashed[first:last].any() else None
-        half = thickness[part] / 2, clearance[part] / 2
-        _inset(lines, part, own, line_width, squash, *half, kernel, reach)
+    step, width, room_inside = np.empty((3, len(face)))
+    room_outside = np.zeros(len(face))
+    for run in runs:
+        part = run.points
+        out = points[:, part], step[part], width[part], room_inside[part], room_outside[part]
+        own = run.of_loops(widest), run.of_loops(squash) if squash[run.loops].any() else None
+        _inset(out, normal[:, part], run.start, *own, thickness[part] / 2, clearance[part] / 2, kernel, reach)
     total = np.concatenate([[0.0], np.cumsum(step)])
-    return replace(lines, arc=total[:-1], arc_start=total[start])
+    return Contours(
+        points=points.T,  # in rows: whoever takes coordinates one after the other finds them side by side
+        normal=normal.T,
+        start=start,
+        layer=layer,
+        polygon=loop_polygon,
+        arc=total[:-1],
+        arc_start=total[start],
+        face=face,
+        carried=carried.T,
+        width=width,
+        room_inside=room_inside,
+        room_outside=room_outside,
+    )
+
+
+class _Run:
+    """Loops of a few layers, worked on at a time.
+
+    Attributes:
+        loops: among all loops.
+        points: among all points.
+        start: (m + 1,) where each loop's points start, counted within the run.
+    """
+
+    def __init__(self, first: int, last: int, start: IntArray) -> None:
+        self.loops, self.points = slice(first, last), slice(int(start[first]), int(start[last]))
+        self.start = start[first : last + 1] - start[first]
+
+    def of_loops(self, value: FloatArray) -> FloatArray:
+        """(n,) at each point of the run, the value of its loop; `value` (M,) is of all loops."""
+        return np.repeat(value[self.loops], np.diff(self.start))
+
+
+def _filtered(
+    outlines: Outlines, even: EvenPoints, runs: list[_Run], kernel: FloatArray
+) -> tuple[FloatArray, FloatArray, IntArray, FloatArray]:
+    """(2, N) mm, the outlines evenly sampled and low-passed; (2, N) their normals; (N,) faces; (C, N) what they carry.
+
+    Args:
+        outlines: M loops.
+        even: where the N points lie on them.
+        runs: of loops.
+        kernel: low-pass.
+    """
+    count = int(even.start[-1])
+    points, normal, face = np.empty((2, count)), np.empty((2, count)), np.empty(count, dtype=np.int64)
+    carried = np.empty((outlines.carried.shape[2], count))
+    for run in runs:
+        part = run.points
+        on_outlines = resampled(outlines, even, run.loops, face[part], carried[:, part])
+        points[:, part] = filtered(on_outlines, run.start, kernel)
+        normal[:, part] = _normals(points[:, part], run.start, kernel)
+    return points, normal, face, carried
 
 
 def _inset(
-    lines: Contours,
-    part: slice,
+    out: tuple[FloatArray, ...],
+    normal: FloatArray,
     start: IntArray,
     widest: FloatArray,
     squash: FloatArray | None,
@@ -191,9 +223,9 @@ def _inset(
     """Move the filtered outlines of a few layers inwards; other layers do not matter.
 
     Args:
-        lines: what is filled in, first with the filtered outlines and their normals; `arc` with the step from each
-            point to the next one.
-        part: where.
+        out: (2, n) mm, the outlines, which are moved; and what is written, (n,) mm each: the step to the next point,
+            line width, room inside and outside.
+        normal: (2, n) unit vectors out of the material.
         start: (m + 1,) offsets of the loops.
         widest: (n,) mm, of the lines.
         squash: (n,) mm, by which they move inwards in addition, as far as the material is thick enough for
@@ -203,8 +235,7 @@ def _inset(
         kernel: low-pass.
         reach: as in `contours`.
     """
-    inwards, outwards = reach
-    outline, normal, width = lines.points[part].T, lines.normal[part].T, lines.width[part]
+    outline, length, width, room_inside, room_outside = out
     np.maximum(np.where(half > MOST_WIDTH * widest, widest, half), LEAST_WIDTH * widest, out=width)
     depth = np.minimum(width, half)
     depth /= 2
@@ -214,14 +245,14 @@ def _inset(
         half = half - taken
     base, step, unbent = inset(outline, normal, depth, start, kernel)
     square, turning = dot(step, step), dot(steps(normal, start), step)
-    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, square, normal, turning, -1, start, inwards))
-    np.multiply(room, unbent, out=lines.room_inside[part])
-    if outwards:
+    room = np.minimum(np.maximum(half - width, 0.0), bend_room(base, square, normal, turning, -1, start, reach.inwards))
+    np.multiply(room, unbent, out=room_inside)
+    if reach.outwards:
         room = np.maximum(half_gap - NARROW_GAP, 0.0)
-        room = np.minimum(room, bend_room(base, square, normal, turning, 1, start, outwards))
-        np.multiply(room, unbent, out=lines.room_outside[part])
+        room = np.minimum(room, bend_room(base, square, normal, turning, 1, start, reach.outwards))
+        np.multiply(room, unbent, out=room_outside)
     outline[:] = base
-    np.sqrt(square, out=lines.arc[part])
+    np.sqrt(square, out=length)
 
 
 def reach_of(settings: PrintSettings) -> Reach:
@@ -249,41 +280,3 @@ def _normals(points: FloatArray, start: IntArray, kernel: FloatArray) -> FloatAr
 def _unit(vectors: FloatArray) -> FloatArray:
     vectors /= np.maximum(np.sqrt(dot(vectors, vectors)), 1e-12)
     return vectors
-
-
-def on_loop(arc: FloatArray, loop: IntArray, arc_start: FloatArray) -> FloatArray:
-    """Move arcs at the very end of their loop to its beginning, the same place: rounding puts them on the next loop.
-
-    The arcs themselves are changed.
-    """
-    over = np.flatnonzero(arc >= arc_start.take(loop + 1) - 1e-9)
-    arc[over] = arc_start[loop[over]]
-    return arc
-
-
-def loop_of(lines: Contours, arc: FloatArray) -> IntArray:
-    """(Q,) the contour on which each place lies."""
-    return np.maximum(Lookup(lines.arc_start[:-1]).before(arc), 0)
-
-
-def long_enough(length: FloatArray, wavelength: float) -> BoolArray:
-    """(M,) which lines of these lengths, mm, hold the pattern: two samples at least."""
-    return np.asarray(length >= 2 * wavelength)
-
-
-def average_along_wall(values: FloatArray, lines: Contours, window: float) -> FloatArray:
-    """Average values (N,), such as tones, along each contour over about `window` mm."""
-    step = lines.length / np.maximum(np.diff(lines.start), 1)
-    usual = float(np.median(step)) if len(step) else 1.0
-    reach = round((window / usual - 1) / 2)
-    if reach < 1:
-        return values
-    return filtered(values, lines.start, box(reach))
-
-
-def places(lines: Contours, spacing: float) -> tuple[FloatArray, IntArray]:
-    """Evenly spaced places on all contours, about `spacing` mm apart: their arcs (Q,) and loops (Q,)."""
-    count = np.maximum(np.round(lines.length / spacing), 1).astype(np.int64)
-    loop = np.repeat(np.arange(len(count)), count)
-    step = ranges(0, count)
-    return lines.arc_start[loop] + (step + 0.5) * (lines.length / count)[loop], loop

@@ -60,24 +60,21 @@ def even_points(outlines: Outlines, step: float, block: int) -> EvenPoints:
     return EvenPoints(start, np.concatenate([[0], held]), end - length, share, corner, along)
 
 
-def resampled(
-    outlines: Outlines, even: EvenPoints, first: int, last: int, face: IntArray, carried: FloatArray
-) -> FloatArray:
-    """The even points of the loops from `first` to before `last`.
+def resampled(outlines: Outlines, even: EvenPoints, loops: slice, face: IntArray, carried: FloatArray) -> FloatArray:
+    """The even points of some consecutive loops.
 
     Args:
         outlines: all of them.
         even: from `even_points`.
-        first: number of a loop.
-        last: likewise.
+        loops: those asked for.
         face: (N,) output, the face of each.
         carried: (C, N) output, the values that it carries.
 
     Returns:
         (2, N) mm.
     """
-    among = slice(outlines.start[first], outlines.start[last])
-    begin, end = even.start[first], even.start[last]
+    among = slice(outlines.start[loops.start], outlines.start[loops.stop])
+    begin, end = even.start[loops.start], even.start[loops.stop]
     segment = np.repeat(np.arange(among.stop - among.start), np.diff(even.held[among.start : among.stop + 1]))
     share = np.arange(begin, end) - even.begin[among].take(segment)
     share *= even.share[among].take(segment)

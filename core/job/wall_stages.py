@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..calibration.calibrate import ToneCurve, tone_curve
-from ..contours.contours import Contours, average_along_wall, contours, reach_of
+from ..contours.contours import Contours, contours, reach_of
+from ..contours.places import average_along_wall
 from ..contours.slant import slant_along
 from ..fill.bridges import Bridges
 from ..fill.closing import Closing, bridges_in, closing

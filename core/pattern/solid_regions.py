@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ..contours.contours import Contours, average_along_wall
+from ..contours.contours import Contours
+from ..contours.places import average_along_wall
 from ..mesh.components import connected
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import preceding, starts

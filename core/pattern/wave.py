@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,9 @@ from .modulation import faded, layer_is_black, layer_shift, layer_sign, shape, s
 SAMPLING_SHARE = 0.35
 # Chords tessellated at a time, about, so that their arrays stay in the cache.
 CHORDS_AT_ONCE = 25 << 10
+# Rows of the table of what is interpolated between contour points.
+_POINT, _NORMAL = slice(0, 2), slice(2, 4)
+_DEPTH, _SET_BACK, _TONE, _WIDTH, _SWAPPED = range(4, 9)
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class WavedOutlines:
         start: (M + 1,) int64.
         layer: (M,) int64.
         polygon: (M,) int64, the sliced region.
-        phase: (N,) t in [−1, 1], before the layer's sign; 0 where a line carries no wave.
+        wave: (N,) t = cos(2πu) in [−1, 1], before the layer's sign; 0 where a line carries no wave.
         depth: (N,) mm, peak to peak.
         set_back: (N,) mm.
         tone: (N,) 0 to 1.
@@ -47,7 +51,7 @@ class WavedOutlines:
     start: IntArray
     layer: IntArray
     polygon: IntArray
-    phase: FloatArray
+    wave: FloatArray
     depth: FloatArray
     set_back: FloatArray
     tone: FloatArray
@@ -132,50 +136,61 @@ def waved(
     if not len(samples.arc):
         return _without_waves(lines, tone, depth, set_back, settings, swapped)
     pieces = spans(lines, samples)
-    count = _points_of(pieces, lines, depth, settings)
-    layer = lines.layer
+    count = _chords_of(pieces, lines, depth, settings)
     columns = [*lines.points.T, *lines.normal.T, depth, set_back, tone, lines.width]
     table = np.stack(columns if swapped is None else [*columns, swapped.astype(np.float64)])
-    tolerance = settings.chord_tolerance * (1 - SAMPLING_SHARE)
-
-    def chunk(piece: IntArray) -> tuple[NDArray[Any], ...]:
-        row, share, before, after, weight = _along(pieces, lines, piece, count[piece])
-        value = table.take(before, axis=1)
-        value += weight * (table.take(after, axis=1) - value)
-        phase, swing = _swing(share, pieces.waves[row], layer[pieces.loop[row]], settings)
-        points = value[:2] + value[2:4] * (swing * value[4] / 2 - value[5])
-        last = np.cumsum(count[piece] + 1) - 1
-        keep = chord_ends(points, last - count[piece], count[piece], last, tolerance)
-        if swapped is not None:
-            keep[1:] |= (value[8, 1:] > 0.5) != (value[8, :-1] > 0.5)
-        keep[last] = False  # it is the first point of the next span
-        kept = np.flatnonzero(keep)
-        nearest = np.where(weight[kept] < 0.5, before[kept], after[kept])
-        uv = lines.uv_at(nearest)
-        return points.take(kept, axis=1).T, value.take(kept, axis=1).T, phase[kept], pieces.loop[row[kept]], uv
-
     at_once = max(CHORDS_AT_ONCE * len(count) // max(int(count.sum()), 1), 1)
-    points, value, phase, loop, uv = in_chunks(chunk, np.arange(len(count)), rows=at_once)
-    return _outlines(lines, points, value, phase, loop, uv)
+    tessellated = partial(_tessellated, lines, pieces, count, table, settings)
+    return _outlines(lines, *in_chunks(tessellated, np.arange(len(count)), rows=at_once))
+
+
+def _tessellated(
+    lines: Contours, pieces: Spans, count: IntArray, table: FloatArray, settings: PrintSettings, piece: IntArray
+) -> tuple[NDArray[Any], ...]:
+    """The points of some spans that are kept: arguments of `_outlines`.
+
+    Args:
+        lines: N contour points.
+        pieces: P spans.
+        count: (P,) chords in each.
+        table: (8 or 9, N) at every contour point: rows as the constants say, the last one where any is swapped.
+        settings: of the pattern.
+        piece: (Q,) the spans, one after the other.
+    """
+    row, share, before, after, weight = _along(pieces, lines, piece, count[piece])
+    value = table.take(before, axis=1)
+    value += weight * (table.take(after, axis=1) - value)
+    wave, swing = _swing(share, pieces.waves[row], lines.layer[pieces.loop[row]], settings)
+    points = value[_POINT] + value[_NORMAL] * (swing * value[_DEPTH] / 2 - value[_SET_BACK])
+    last = np.cumsum(count[piece] + 1) - 1
+    tolerance = settings.chord_tolerance * (1 - SAMPLING_SHARE)
+    keep = chord_ends(points, last - count[piece], count[piece], last, tolerance)
+    if len(value) > _SWAPPED:
+        keep[1:] |= (value[_SWAPPED, 1:] > 0.5) != (value[_SWAPPED, :-1] > 0.5)
+    keep[last] = False  # it is the first point of the next span
+    kept = np.flatnonzero(keep)
+    nearest = np.where(weight[kept] < 0.5, before[kept], after[kept])
+    uv = lines.uv_at(nearest)
+    return points.take(kept, axis=1).T, value.take(kept, axis=1).T, wave[kept], pieces.loop[row[kept]], uv
 
 
 def _outlines(
-    lines: Contours, points: FloatArray, value: FloatArray, phase: FloatArray, loop: IntArray, uv: FloatArray
+    lines: Contours, points: FloatArray, value: FloatArray, wave: FloatArray, loop: IntArray, uv: FloatArray
 ) -> WavedOutlines:
-    """Outlines from K points: (K, 2) mm, columns as in `waved` (K, 8 or 9), phase (K,), contour (K,), UVs (K, 2)."""
+    """Outlines from K points: (K, 2) mm, what the table has there (K, 8 or 9), t (K,), contour (K,), UVs (K, 2)."""
     return WavedOutlines(
-        base=np.ascontiguousarray(value[:, :2]),
+        base=np.ascontiguousarray(value[:, _POINT]),
         points=np.ascontiguousarray(points),
         start=starts(np.bincount(loop, minlength=len(lines.layer))),
         layer=lines.layer,
         polygon=lines.polygon,
-        phase=phase,
-        depth=value[:, 4].copy(),
-        set_back=value[:, 5].copy(),
-        tone=value[:, 6].copy(),
+        wave=wave,
+        depth=value[:, _DEPTH].copy(),
+        set_back=value[:, _SET_BACK].copy(),
+        tone=value[:, _TONE].copy(),
         uv=uv,
-        width=value[:, 7].copy(),
-        swapped=value[:, 8] > 0.5 if value.shape[1] > 8 else None,
+        width=value[:, _WIDTH].copy(),
+        swapped=value[:, _SWAPPED] > 0.5 if value.shape[1] > _SWAPPED else None,
     )
 
 
@@ -200,7 +215,7 @@ def _without_waves(
         start=np.searchsorted(point, lines.start),
         layer=lines.layer,
         polygon=lines.polygon,
-        phase=np.zeros(len(point)),
+        wave=np.zeros(len(point)),
         depth=depth[point],
         set_back=set_back[point],
         tone=tone[point],
@@ -214,10 +229,10 @@ def _swing(
     share: FloatArray, waves: BoolArray, layer: IntArray, settings: PrintSettings
 ) -> tuple[FloatArray, FloatArray]:
     """(Q,) the wave t at a share (Q,) of each span, and (Q,) the displacement on its layer, -1 to 1, outwards."""
-    phase = np.where(waves, np.cos(2 * np.pi * share), 0.0)
+    wave = np.where(waves, np.cos(2 * np.pi * share), 0.0)
     if not settings.phase_shift_layers:
-        return phase, layer_sign(layer) * phase
-    return phase, np.where(waves, np.cos(2 * np.pi * share + layer_shift(layer, settings)), 0.0)
+        return wave, layer_sign(layer) * wave
+    return wave, np.where(waves, np.cos(2 * np.pi * share + layer_shift(layer, settings)), 0.0)
 
 
 def _along(
@@ -234,7 +249,7 @@ def _along(
     return row, share, *lines.locate(arc, loop)
 
 
-def _points_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: PrintSettings) -> IntArray:
+def _chords_of(pieces: Spans, lines: Contours, depth: FloatArray, settings: PrintSettings) -> IntArray:
     """(P,) chords in each span: enough for the sharpest bend of its sine and for the contour's own points."""
     before, _, _ = lines.locate(pieces.arc)
     after, _, _ = lines.locate(np.minimum(pieces.arc + pieces.length, lines.arc_start[pieces.loop + 1] - 1e-6))

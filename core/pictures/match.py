@@ -86,14 +86,14 @@ def pattern_period(outlines: WavedOutlines, settings: PrintSettings) -> tuple[fl
         settings: layer height and wavelength are used.
     """
     step = outlines.base[following(outlines.start)] - outlines.base
-    waves = int((outlines.phase > 1 - 1e-12).sum())  # every wave begins at a sample with phase 1
+    waves = int((outlines.wave > 1 - 1e-12).sum())  # every wave begins at a sample, where it is 1
     length = float(np.hypot(step[:, 0], step[:, 1])[np.repeat(_waved(outlines), np.diff(outlines.start))].sum())
     return PERIOD_LAYERS * settings.layer_height, length / waves if waves else settings.wavelength
 
 
 def _waved(outlines: WavedOutlines) -> BoolArray:
     """(M,) loops that carry waves."""
-    return np.asarray(np.maximum.reduceat(np.abs(outlines.phase), outlines.start[:-1]) > 0)
+    return np.asarray(np.maximum.reduceat(np.abs(outlines.wave), outlines.start[:-1]) > 0)
 
 
 def in_pixels(period: tuple[float, float], mm_per_pixel: float) -> tuple[int, int]:

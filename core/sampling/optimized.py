@@ -23,7 +23,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..contours.contours import long_enough
+from ..contours.places import long_enough
 from ..model import FloatArray
 from ..settings import PrintSettings
 from .coarse_to_fine import Level, Search, planned, planned_further

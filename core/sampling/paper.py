@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..contours.contours import long_enough, on_loop
+from ..contours.places import long_enough, on_loop
 from ..model import BoolArray, FloatArray
 from ..settings import PrintSettings
 from .projector import Projector

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..contours.contours import Contours, long_enough, loop_of
+from ..contours.contours import Contours
+from ..contours.places import long_enough, loop_of
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, ranges, starts
 from .phase_grid import PhaseGrid, brought_back, image_steps, lengths, linked_grid

@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contours.contours import Contours, on_loop
+from ..contours.contours import Contours
 from ..contours.grid import PointGrid, nearest
+from ..contours.places import on_loop
 from ..model import FloatArray, IntArray
 from ..parallel import in_chunks
 from ..ragged import ahead, preceding, ranges

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..contours.contours import Contours, loop_of, places
+from ..contours.contours import Contours
+from ..contours.places import loop_of, places
 from ..model import BoolArray, FloatArray, IntArray
 from ..records import dataclass
 from .projector import Projector
@@ -66,19 +67,15 @@ class SeamErrors:
 
 
 def displacement_at(lines: Contours, samples: Samples, arc: FloatArray) -> FloatArray:
-    """(Q,) t = cos(2πu) at places on the contours, NaN on a contour without samples."""
-    loop = loop_of(lines, arc)
-    has = np.diff(samples.start)[loop] > 0
-    first, last = samples.start[loop], samples.start[loop + 1] - 1
-    before = np.searchsorted(samples.arc, arc, side="right") - 1
-    # Before a loop's first sample, a place belongs to the span that starts at its last sample.
-    wrapped = before < first
-    before = np.where(wrapped, last, before)
-    spacing = samples.spacing(lines)
-    opened = samples.arc[np.where(has, before, 0)] if len(samples.arc) else np.zeros(len(arc))
-    along = arc - opened + np.where(wrapped, lines.length[loop], 0.0)
-    width = spacing[np.where(has, before, 0)] if len(samples.arc) else np.ones(len(arc))
-    return np.where(has, np.cos(2 * np.pi * along / width), np.nan)
+    """(Q,) t = cos(2πu) at places on the contours, -1 to 1, NaN on a contour without samples."""
+    loop, displacement = loop_of(lines, arc), np.full(len(arc), np.nan)
+    waved = np.flatnonzero(np.diff(samples.start)[loop] > 0)
+    arc, loop = arc[waved], loop[waved]
+    before = samples.before(arc, loop)
+    along = arc - samples.arc[before]
+    along += np.where(along < 0, lines.length[loop], 0.0)
+    displacement[waved] = np.cos(2 * np.pi * along / samples.spacing(lines)[before])
+    return displacement
 
 
 def seam_errors(samples: Samples, projector: Projector) -> SeamErrors:

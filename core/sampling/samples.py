@@ -37,6 +37,16 @@ class Samples:
             self.arc[own], self.loop[own] - loops.start, self.start[loops.start : loops.stop + 1] - own.start
         )
 
+    def before(self, arc: FloatArray, loop: IntArray) -> IntArray:
+        """(Q,) the sample before each place.
+
+        Args:
+            arc: (Q,) mm, the places.
+            loop: (Q,) their contours, which have samples. What lies before a contour's first one comes after its last.
+        """
+        before = np.searchsorted(self.arc, arc, side="right") - 1
+        return np.where(before < self.start[loop], self.start[loop + 1] - 1, before)
+
     def spacing(self, lines: Contours) -> FloatArray:
         """(S,) mm along the contour from each sample to the next one of its loop."""
         return spacings(self.arc - lines.arc_start[self.loop], self.loop, lines.length)[0]

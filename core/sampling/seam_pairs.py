@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contours.contours import Contours, loop_of
+from ..contours.contours import Contours
+from ..contours.places import loop_of
 from ..lookup import Lookup
 from ..model import BoolArray, FloatArray, IntArray
 from ..parallel import product

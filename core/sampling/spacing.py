@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..contours.contours import Contours, long_enough, on_loop
+from ..contours.contours import Contours
+from ..contours.places import long_enough, on_loop
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import following, preceding, ranges, starts
 

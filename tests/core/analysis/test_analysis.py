@@ -18,7 +18,7 @@ from dualcolor.core.analysis.surface_curves import (
     trace_curves,
 )
 from dualcolor.core.analysis.tracelines import tracelines
-from dualcolor.core.contours.contours import places
+from dualcolor.core.contours.places import places
 from dualcolor.core.errors import PrintError
 from dualcolor.core.mesh.surface_points import points_on_faces
 from dualcolor.core.mesh.triangles import triangulate

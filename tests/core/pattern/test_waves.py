@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.contours.contours import average_along_wall
+from dualcolor.core.contours.places import average_along_wall
 from dualcolor.core.pattern.modulation import faded, layer_sign, shape, supported, wave_reach
 from dualcolor.core.sampling.quality import displacement_at
 from dualcolor.core.settings import PrintSettings
@@ -111,13 +111,13 @@ def test_wave_is_a_sine_about_the_contour():
     loop = np.repeat(np.arange(len(outline.layer)), np.diff(outline.start))
     swing = np.hypot(*outline.points.T) - np.hypot(*outline.base.T)
     sign = layer_sign(outline.layer)[loop]
-    assert swing == pytest.approx(sign * outline.phase * 0.375, abs=2e-3)
-    assert np.abs(outline.phase).max() == pytest.approx(1.0)
+    assert swing == pytest.approx(sign * outline.wave * 0.375, abs=2e-3)
+    assert np.abs(outline.wave).max() == pytest.approx(1.0)
 
 
 def test_every_sample_is_a_point_of_the_waved_outline():
     _, samples, outline = printed(cylinder(radius=12, height=2), 0.5, WAVE)
-    assert (outline.phase > 1 - 1e-9).sum() == len(samples.arc)
+    assert (outline.wave > 1 - 1e-9).sum() == len(samples.arc)
 
 
 def test_polyline_stays_within_the_chord_tolerance_and_wastes_no_points():

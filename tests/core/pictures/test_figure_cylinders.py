@@ -27,7 +27,7 @@ def phases(outlines):
     off = np.hypot(*outlines.points.T) - np.hypot(*outlines.base.T)
     step = np.angle(np.exp(1j * (angle[following(outlines.start)] - angle)))
     layer = np.repeat(outlines.layer, np.diff(outlines.start))
-    crests = np.bincount(layer, outlines.phase > 1 - 1e-12)
+    crests = np.bincount(layer, outlines.wave > 1 - 1e-12)
     assert np.ptp(crests) == 0
     both = (off + off[following(outlines.start)]) / 2
     wave = both * step * np.exp(-1j * crests[0] * (angle + step / 2))

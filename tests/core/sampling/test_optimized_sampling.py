@@ -6,7 +6,8 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 import shapely
-from dualcolor.core.contours.contours import contours, long_enough
+from dualcolor.core.contours.contours import contours
+from dualcolor.core.contours.places import long_enough
 from dualcolor.core.job.wall_stages import pattern_samples
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.pattern.strand_edges import widened

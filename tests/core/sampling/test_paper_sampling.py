@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from dualcolor.core.contours.contours import long_enough
+from dualcolor.core.contours.places import long_enough
 from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
 from dualcolor.core.settings import PrintSettings
