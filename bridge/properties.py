@@ -22,8 +22,9 @@ _REPORTED = ("bounds_mm", "layers", "time_s", "filament", "settings", "warnings"
 _SPELLED = {"Xy": "XY", "Dont": "Don't", "Toolchange": "Tool Change"}
 _TITLES = {declared.name: declared.name.replace("_", " ").title().split() for declared in fields(PrintSettings)}
 _LABELS = {name: " ".join(_SPELLED.get(word, word) for word in words) for name, words in _TITLES.items()}
-_NAMES = re.compile(rf"\b({'|'.join(name for name in _LABELS if '_' in name)})\b")
+_NAMES = re.compile(rf"(?<!\")\b({'|'.join(name for name in _LABELS if '_' in name)})\b")
 _WORD = re.compile(r"(?!xatlas)[a-z]+,? ")
+_RELATIVE = "PATH_SUPPORTS_BLEND_RELATIVE"
 _SEARCHED = {"seam_visibility": visibility_names}
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 """An object of another file that is overridden in this one has settings of its own."""
@@ -68,7 +69,7 @@ def property_of(declared: Field[Any]) -> Any:
     if declared.name in _SEARCHED:
         return bpy.props.StringProperty(search=_SEARCHED[declared.name], search_options={"SUGGESTION"}, **common)
     if isinstance(default, str):
-        return bpy.props.StringProperty(subtype="FILE_PATH", **common)
+        return bpy.props.StringProperty(subtype="FILE_PATH", options={_RELATIVE}, **common)
     step = 1 if limits["high"] <= 10 else 100
     shown = {"step": step, "precision": 3 if step == 1 else 1}
     length = {"unit": "CAMERA", "precision": LENGTH_DIGITS}
@@ -77,8 +78,9 @@ def property_of(declared: Field[Any]) -> Any:
 
 
 def values_of(group: bpy.types.PropertyGroup) -> dict[str, Any]:
-    """All settings by name, not validated together."""
+    """All settings by name, not validated together; paths that begin with // are made absolute."""
     values = {declared.name: getattr(group, declared.name) for declared in fields(PrintSettings)}
+    values["calibration_file"] = bpy.path.abspath(values["calibration_file"], library=group.id_data.library)
     return {
         name: float(f"{value:.{FLOAT_DIGITS}g}") if isinstance(value, float) else value
         for name, value in values.items()
@@ -95,9 +97,11 @@ def to_settings(group: bpy.types.PropertyGroup) -> PrintSettings:
 
 
 def from_settings(group: bpy.types.PropertyGroup, settings: PrintSettings) -> None:
-    """Give an object all settings."""
+    """Give an object all settings; those that it has already stay as they are, relative paths too."""
+    former = values_of(group)
     for name, value in settings.as_dict().items():
-        setattr(group, name, value)
+        if former[name] != value:
+            setattr(group, name, value)
 
 
 def set_report(group: bpy.types.PropertyGroup, report: dict[str, Any]) -> None:

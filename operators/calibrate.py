@@ -11,7 +11,7 @@ from bpy_extras.io_utils import ImportHelper
 from ..bridge.input.mesh_input import WITH_SURFACE
 from ..bridge.objects.calibration_tile import add_calibration_tile, is_calibration_tile
 from ..bridge.paint.clicks import draw_clicks
-from ..bridge.properties import to_settings
+from ..bridge.properties import as_shown, to_settings
 from ..bridge.strands.preview import source_of
 from ..core.calibration.read_photo import table_of_photo
 from ..core.calibration.table import write_table
@@ -69,7 +69,7 @@ class _ReadsPhoto:
             done = f"{obj.name} is calibrated by {table_path.name}"
         self.report({"INFO"}, done)
         for note in made.notes:  # the last message stays in sight
-            self.report({"WARNING"}, note)
+            self.report({"WARNING"}, as_shown(note))
         return {"FINISHED"}
 
 

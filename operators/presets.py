@@ -34,6 +34,9 @@ _KIND_ITEMS = [(kind, kind.title(), "") for kind in KINDS]
 class _SettingsOperator:
     """What operators on an object's settings have in common: `apply` does it and returns a sentence on what it did."""
 
+    outcome = "INFO"
+    """How the sentence is reported."""
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """An object that can be printed is needed."""
@@ -53,7 +56,7 @@ class _SettingsOperator:
             message = self.apply(source_of(context.object).dualcolor)
         except PrintError as problem:
             return refused(self, problem)
-        self.report({"INFO"}, message)
+        self.report({self.outcome}, message)
         return {"FINISHED"}
 
 
@@ -65,14 +68,22 @@ class _ChangesSettings(_SettingsOperator):
         """An object whose settings are kept in this file is needed."""
         return has_own_settings(cls, context)
 
+    def change(self, group: bpy.types.PropertyGroup, values: dict[str, Any], message: str) -> str:
+        """Give an object some settings, validated with its others; the message, with what was left out.
 
-def _change(group: bpy.types.PropertyGroup, values: dict[str, Any]) -> None:
-    """Give an object some settings, validated with its others.
+        What this version does not know is, as in files of another one; if that is all there is, they are no settings.
 
-    Raises:
-        SettingsError: one is unknown or does not fit.
-    """
-    from_settings(group, PrintSettings().changed({**values_of(group), **values}))
+        Raises:
+            SettingsError: one does not fit, or none is known.
+        """
+        former = values_of(group)
+        known = {name: value for name, value in values.items() if name in former}
+        from_settings(group, PrintSettings().changed({**former, **(known or values)}))
+        unknown = ", ".join(name for name in values if name not in known)
+        if not unknown:
+            return message
+        self.outcome = "WARNING"
+        return f"{message}; left out, because this version has no such setting: {unknown}"
 
 
 class DUALCOLOR_OT_apply_preset(_ChangesSettings, bpy.types.Operator):
@@ -94,8 +105,7 @@ class DUALCOLOR_OT_apply_preset(_ChangesSettings, bpy.types.Operator):
 
     def apply(self, group: bpy.types.PropertyGroup) -> str:
         """Change the settings that the preset names, no others."""
-        _change(group, preset_values([self.name], preset_folder.user_presets()))
-        return f"Preset {self.name}"
+        return self.change(group, preset_values([self.name], preset_folder.user_presets()), f"Preset {self.name}")
 
 
 class DUALCOLOR_OT_save_preset(_SettingsOperator, bpy.types.Operator):
@@ -111,6 +121,14 @@ class DUALCOLOR_OT_save_preset(_SettingsOperator, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Ask for the name."""
         return context.window_manager.invoke_props_dialog(self)
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        """The name, and what becomes of a preset that has it."""
+        self.layout.prop(self, "name")
+        own = preset_folder.user_presets()
+        taken = preset_files(own, (self.kind,)).get(self.name.strip())
+        if taken and own in taken.parents:
+            self.layout.label(text="Replaces your preset of that name", icon="ERROR")
 
     def apply(self, group: bpy.types.PropertyGroup) -> str:
         """Write the preset's file."""
@@ -162,8 +180,7 @@ class DUALCOLOR_OT_import_settings(_ChangesSettings, ImportHelper, bpy.types.Ope
         """Change the settings that the file names, no others."""
         path = Path(bpy.path.abspath(self.filepath))
         values = read_settings(path)
-        _change(group, values)
-        return f"{len(values)} settings from {path.name}"
+        return self.change(group, values, f"{len(values)} settings from {path.name}")
 
 
 class DUALCOLOR_OT_export_settings(_SettingsOperator, FileChoice, bpy.types.Operator):

@@ -6,7 +6,7 @@ import bpy
 
 from ..bridge.proof.proof_views import show_as_before, show_materials
 from ..bridge.proof.soft_proof import hide_proof, is_proofed, proof_notes, show_proof
-from ..bridge.properties import to_settings
+from ..bridge.properties import as_shown, to_settings
 from ..bridge.strands.preview import show_print
 from ..core.errors import PrintError
 from .polls import has_own_mesh
@@ -41,5 +41,5 @@ of that slope can show, striped where it is too flat for tones. Press again to s
         show_print(obj, False)  # its strands would stand in front
         show_materials(context)
         for note in proof_notes(obj):
-            self.report({"INFO"}, note)
+            self.report({"INFO"}, as_shown(note))
         return {"FINISHED"}

@@ -48,11 +48,10 @@ def table_words(obj: bpy.types.Object) -> list[tuple[str, str]]:
         return [(str(problem), "ERROR")]
     if settings.calibration == "none":
         return [("No table: tones are printed as they are", "INFO")]
-    path = Path(bpy.path.abspath(settings.calibration_file))
     changed = 0.0
     with suppress(OSError):  # the table that cannot be read reports it
-        changed = path.stat().st_mtime
-    return _words_of(settings.changed({"calibration_file": str(path)}), changed)
+        changed = Path(settings.calibration_file).stat().st_mtime
+    return _words_of(settings, changed)
 
 
 @lru_cache(maxsize=8)

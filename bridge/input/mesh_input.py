@@ -28,7 +28,6 @@ SUPPORT_ATTRIBUTE = "dualcolor_support"
 NO_FACES_HINT = "choose a mesh with a closed surface; instances need Geometry Nodes' Realize Instances"
 MAKE_REAL = "Object > Apply > Make Instances Real"
 CURVE_HINT = "give the curve an Extrude or a Bevel (Object Data > Geometry)"
-DISABLED_HINT = "turn on the screen icon of the object, or of its collection, in the outliner"
 UNWRAP_HINT = "unwrap it first (in Blender: Paint > Smart UV Project; on the command line: --unwrap smart)"
 
 
@@ -101,7 +100,7 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
     try:
         evaluated.evaluated_geometry()
     except TypeError:  # how Blender tells that it leaves the object out
-        raise MeshError(f"{obj.name} is disabled in viewports", DISABLED_HINT) from None
+        raise _left_out(obj, depsgraph) from None
     mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
         if mesh is None or not len(mesh.polygons):
@@ -109,6 +108,16 @@ def evaluated_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Ite
         yield mesh
     finally:
         evaluated.to_mesh_clear()
+
+
+def _left_out(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> MeshError:
+    """Why Blender does not evaluate an object; strands may be active whose object is somewhere else."""
+    if obj not in depsgraph.scene.objects.values():
+        return MeshError(f"{obj.name} is not in this scene", "choose its scene, or add it to a collection of this one")
+    if obj not in depsgraph.view_layer.objects.values():
+        return MeshError(f"{obj.name} is in an excluded collection", "check the box of the collection in the outliner")
+    hint = "turn on the screen icon of the object, or of its collection, in the outliner"
+    return MeshError(f"{obj.name} is disabled in viewports", hint)
 
 
 def _no_faces(obj: bpy.types.Object, scene: bpy.types.Scene) -> MeshError:

@@ -25,6 +25,7 @@ KINDS: dict[str, tuple[Feature, ...]] = {
 }
 _MOVES_KEY = "dualcolor_moves"
 _GROUP = "Shown Strands"
+_GROUP_KEY = "dualcolor_shown"
 _INPUTS = ("First Layer", "Last Layer", "Hidden Features", "Last Move")
 _MOST_LAYERS = 100_000
 
@@ -43,8 +44,8 @@ def apply_view(collection: bpy.types.Collection) -> None:
         modifier = shown.modifiers.get(_GROUP)
         if modifier is None and not everything:
             modifier = shown.modifiers.new(_GROUP, "NODES")
-            modifier.node_group = bpy.data.node_groups.get(_GROUP) or _node_group()
         if modifier is not None:
+            modifier.node_group = modifier.node_group or _node_group()  # which may have been deleted
             sockets = {item.name: item.identifier for item in modifier.node_group.interface.items_tree}
             for name, value in zip(_INPUTS, values, strict=True):
                 set_input(modifier, sockets[name], value)
@@ -84,7 +85,13 @@ def strands_in(collection: bpy.types.Collection) -> list[bpy.types.Object]:
 
 def _node_group() -> bpy.types.NodeTree:
     """Nodes that delete the curves of other layers, and of features whose bit is set in a mask."""
+    made = next((held for held in bpy.data.node_groups if _GROUP_KEY in held), None)
+    return made or _new_node_group()
+
+
+def _new_node_group() -> bpy.types.NodeTree:
     group = bpy.data.node_groups.new(_GROUP, "GeometryNodeTree")
+    group[_GROUP_KEY] = True  # the user may have one of that name
     group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
     for name in _INPUTS:
         group.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketInt")

@@ -86,7 +86,9 @@ def table_for(settings: PrintSettings) -> ToneTable:
     if settings.calibration != "file":
         return shipped_table(settings)
     if not settings.calibration_file:
-        hint = "name one made by read-photo or build-table"
+        hint = (
+            "make one (in Blender: Read Calibration Photo; on the command line: read-photo, build-table) and choose it"
+        )
         raise CalibrationError("calibration is file, but calibration_file names no tone table", hint)
     return read_table(Path(settings.calibration_file))
 

@@ -29,6 +29,7 @@ _UNITS = {
     "kilometers": 1e6,
 }
 """Units that files are written in by mistake, and mm per unit, the likeliest first."""
+_HEIGHT_HINT = "check its unit or choose its height (in Blender: Scale to Height; on the command line: --height-mm)"
 _SMALLER = (1e-3, 1e-6)  # factors for what is too large, whose unit nobody could guess
 _UV_LIMIT = 1e6  # beyond this, float32 no longer tells the texels apart
 
@@ -211,7 +212,7 @@ def _unit_hint(size: FloatArray, room: FloatArray) -> str:
         for factor, text in said.items()
         if length * factor >= _USUAL_MM and (size * factor <= room).all()
     ]
-    return f"check its scale and unit: {fitting[0]}" if fitting else "check its scale and unit"
+    return f"check its scale and unit: {fitting[0]}" if fitting else _HEIGHT_HINT
 
 
 def _length(millimeters: float) -> str:

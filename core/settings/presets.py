@@ -167,7 +167,7 @@ def _object(path: Path) -> dict[str, Any]:
     except OSError as problem:
         raise SettingsError(f"{path} cannot be read", problem.strerror or "") from None
     except ValueError:
-        raise SettingsError(f"{path} is not JSON") from None
+        raise SettingsError(f"{path} is not JSON", "delete it, or save it again") from None
     if not isinstance(values, dict):
         raise SettingsError(f"{path} holds no settings", 'write them as {"layer_height": 0.2}')
     return values

@@ -181,6 +181,12 @@ def test_what_is_disabled_in_viewports_is_refused_since_blender_leaves_it_out(he
     bpy.context.view_layer.update()
     with pytest.raises(MeshError, match="disabled in viewports"):
         model_of(obj)
+    bpy.context.view_layer.layer_collection.children["Off"].exclude = True
+    with pytest.raises(MeshError, match="box is in an excluded collection: check the box"):
+        model_of(obj)
+    bpy.context.scene.collection.children.unlink(collection)
+    with pytest.raises(MeshError, match="box is not in this scene"):
+        model_of(obj)
 
 
 def test_what_is_being_sculpted_is_refused_since_its_strokes_are_not_in_the_mesh_yet():

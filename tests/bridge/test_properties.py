@@ -26,6 +26,7 @@ def test_sentences_name_settings_as_the_sidebar_does():
     said = "thicken it, lower extrusion_width, or set support_xy_distance to 1 mm; speed and a wipe stay"
     wanted = "thicken it, lower Extrusion Width, or set Support XY Distance to 1 mm; speed and a wipe stay"
     assert properties.with_labels(said) == wanted
+    assert properties.with_labels('write {"layer_height": 0.2}') == 'write {"layer_height": 0.2}'
     assert properties.label_of(PrintSettings.__dataclass_fields__["brim_width"]) == properties.with_labels("brim_width")
 
 
@@ -70,6 +71,16 @@ def test_the_limits_themselves_are_allowed(group, low_end):
             setattr(group, declared.name, declared.metadata["low" if low_end else "high"])
     settings = properties.to_settings(group)
     assert settings.layer_height == (0.05 if low_end else 0.5)
+
+
+def test_a_path_beside_the_file_is_found_and_stays_relative(group, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "print.blend"))
+    group = bpy.data.objects["Thing"].dualcolor
+    group.calibration_file = "//tones.json"
+    settings = properties.to_settings(group)
+    assert settings.calibration_file == str(tmp_path / "tones.json")
+    properties.from_settings(group, settings.changed({"brim_width": 2.0}))
+    assert group.calibration_file == "//tones.json" and group.brim_width == 2.0
 
 
 def test_settings_at_odds_are_an_error(group):

@@ -69,6 +69,15 @@ def test_new_strands_keep_the_hidden_kinds_and_show_all_layers(preview):
     assert len(bpy.data.node_groups) == 1
 
 
+def test_nodes_that_were_deleted_are_made_again_and_a_group_of_that_name_is_left_alone(preview):
+    own = bpy.data.node_groups.new("Shown Strands", "GeometryNodeTree")
+    preview.dualcolor_view.layer_to = 3
+    bpy.data.node_groups.remove(next(held for held in bpy.data.node_groups if held != own))
+    preview.dualcolor_view.layer_to = 2
+    assert {layer for layer, _ in visible(preview)} == {0, 1, 2}
+    assert not own.nodes and len(bpy.data.node_groups) == 2
+
+
 def test_colors_of_features_and_back(preview):
     before = [held.data.materials[0] for held in preview.objects]
     preview.dualcolor_view.color_by = "FEATURE"

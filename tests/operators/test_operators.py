@@ -239,3 +239,9 @@ def test_errors_of_all_operators_name_settings_as_the_sidebar_does(block):
     for action in ("generate", "soft_proof", "add_calibration_tile"):
         with pytest.raises(RuntimeError, match="Wave Depth Min"):
             getattr(bpy.ops.dualcolor, action)()
+
+
+def test_soft_proof_names_settings_as_the_sidebar_does(block, capfd):
+    block.dualcolor.layer_height = 0.3
+    bpy.ops.dualcolor.soft_proof()
+    assert "Info: The tone table holds for other settings (Layer Height 0.3" in capfd.readouterr().out

@@ -43,8 +43,11 @@ class Layout:
     def separator(self):
         self.drawn.append("---")
 
-    def label(self, text):
+    def label(self, text, icon=""):
         self.drawn.append(text)
+
+    def prop(self, _owner, name):
+        self.drawn.append(name)
 
     def menu(self, name, text="", icon="", translate=True):
         self.drawn.append((name, text))
@@ -141,6 +144,30 @@ def test_a_broken_file_of_the_users_is_shown_and_does_no_harm(block, tmp_path):
     with pytest.raises(RuntimeError, match="Nozzle Temperature 0 = 900 is outside"):
         bpy.ops.dualcolor.apply_preset(name="odd")
     assert to_settings(block.dualcolor) == PrintSettings()
+
+
+def test_what_this_version_does_not_know_is_left_out_and_named(block, tmp_path, capfd):
+    (tmp_path / "presets/quality").mkdir(parents=True)
+    (tmp_path / "presets/quality/older.json").write_text('{"settings": {"layer_height": 0.2, "zebra_mode": 3}}')
+    assert bpy.ops.dualcolor.apply_preset(name="older") == {"FINISHED"}
+    assert block.dualcolor.layer_height == pytest.approx(0.2)
+    assert (
+        "Warning: Preset older; left out, because this version has no such setting: zebra_mode"
+        in capfd.readouterr().out
+    )
+
+
+def test_the_dialog_tells_that_a_preset_is_replaced(block):
+    draw, text = bpy.types.DUALCOLOR_OT_save_preset.draw, "Replaces your preset of that name"
+
+    def said(name):
+        layout = Layout()
+        draw(SimpleNamespace(layout=layout, kind="quality", name=name), None)
+        return layout.drawn[1:]
+
+    assert said("Draft") == said("fine") == []
+    bpy.ops.dualcolor.save_preset(kind="quality", name="Draft")
+    assert said("Draft ") == [text] and said("Other") == []
 
 
 def test_reset_gives_every_default(block):

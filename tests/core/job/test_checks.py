@@ -104,7 +104,9 @@ def test_what_is_off_the_bed_or_too_large():
         generate(beside, SETTINGS.changed({"center_on_bed": False}))
     with pytest.raises(MeshError, match=r"larger than .*: turn it by 90°"):
         generate(box((0, 0, 0), (100, 180, 1)), SETTINGS)
-    with pytest.raises(MeshError, match=r"larger than .*: check its scale and unit"):
+    with pytest.raises(
+        MeshError, match=r"larger than .*: check its unit or choose its height .*Scale to Height.*--height-mm"
+    ):
         generate(box((0, 0, 0), (10, 10, 151)), SETTINGS)
 
 
