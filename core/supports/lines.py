@@ -14,9 +14,9 @@ from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
 from ..slicing.regions import gathered, ring_points
+from ..toolpaths.loops import FirstIsland
 from .grid_overlay import areas, nothing, once, overlapping, thickness
 
-SUPPORT_ISLAND = -3
 # Lines run along X, and the close ones across them, so that they do not fall between.
 _ANGLE_DEG, _INTERFACE_ANGLE_DEG = 0.0, 90.0
 _ARC_SEGMENTS = 4
@@ -82,7 +82,7 @@ def support_lines(below: Shapes, close: Shapes, settings: PrintSettings) -> Path
         settings: the supports' spacings and `extrusion_width` are used.
 
     Returns:
-        Paths of feature SUPPORT and SUPPORT_INTERFACE on island `SUPPORT_ISLAND`.
+        Paths of feature SUPPORT and SUPPORT_INTERFACE on the island `FirstIsland.SUPPORT`.
     """
     layer = np.arange(len(below))
     wide, fine = settings.support_spacing, min(settings.support_interface_spacing, settings.support_spacing)
@@ -151,7 +151,7 @@ def _paths(areas: Areas, points: FloatArray, start: IntArray, layer: IntArray, c
         start=start.astype(np.int64),
         layer=layer.astype(np.int64),
         feature=np.full(len(layer), int(areas.feature), dtype=np.int64),
-        island=np.full(len(layer), SUPPORT_ISLAND, dtype=np.int64),
+        island=np.full(len(layer), int(FirstIsland.SUPPORT), dtype=np.int64),
         closed=np.full(len(layer), closed),
         width=np.full(len(points), width),
     )

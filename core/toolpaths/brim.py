@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..paths import Feature, Paths
 from ..settings import PrintSettings
-from .loops import Turn, exterior_rings, first_layer_loops, loop_points
+from .loops import FirstIsland, exterior_rings, first_layer_loops, loop_points
 
 _CORNER_TOLERANCE_MM = 0.02
 
@@ -42,7 +42,7 @@ def brim_paths(first_layer: shapely.Geometry, settings: PrintSettings) -> Paths:
     away = width * (np.arange(loops)[::-1] + 0.5) + settings.brim_separation
     grown = np.asarray(shapely.buffer(first_layer, away, quad_segs=16))
     levels = [shapely.simplify(exterior_rings(grown[k : k + 1]), _CORNER_TOLERANCE_MM) for k in range(loops)]
-    return first_layer_loops([loop_points(ring) for ring in _nested(levels)], Feature.BRIM, Turn.BRIM, width)
+    return first_layer_loops([loop_points(ring) for ring in _nested(levels)], Feature.BRIM, FirstIsland.BRIM, width)
 
 
 def _nested(levels: list[NDArray[np.object_]]) -> list[shapely.Geometry]:

@@ -13,11 +13,12 @@ from ..paths import Feature, Paths
 from ..ragged import starts
 
 
-class Turn(IntEnum):
-    """First island number of everything around the object, in printing order; each loop has an island of its own.
+class FirstIsland(IntEnum):
+    """Island numbers of all that is not the object, in printing order; of each kind the first one.
 
     So a nozzle draws the skirt or primes on the tower before it prints anything that matters. All are negative, unlike
-    the islands of the object, with room for 10,000 loops between two turns.
+    the islands of the object. Each loop around it has an island of its own, with room for 10,000 of a kind; the raft
+    and the supports are one island each.
     """
 
     SKIRT = -60_000
@@ -26,6 +27,7 @@ class Turn(IntEnum):
     BRIM = -30_000
     OOZE_SHIELD = -20_000
     RAFT = -10_000
+    SUPPORT = -1
 
 
 def exterior_rings(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
@@ -41,13 +43,13 @@ def loop_points(ring: shapely.Geometry) -> FloatArray:
     return points if shapely.is_ccw(ring) else points[::-1]
 
 
-def first_layer_loops(loops: list[FloatArray], feature: Feature, turn: Turn, width: float) -> Paths:
+def first_layer_loops(loops: list[FloatArray], feature: Feature, first: FirstIsland, width: float) -> Paths:
     """Closed paths on layer 0 that are printed in the order given.
 
     Args:
         loops: (N, 2) mm each.
         feature: of all of them.
-        turn: of the first one; each that follows has the next greater number, as islands keep their order.
+        first: island of the first one; each that follows has the next greater number, as islands keep their order.
         width: mm, of the lines.
     """
     if not loops:
@@ -58,7 +60,7 @@ def first_layer_loops(loops: list[FloatArray], feature: Feature, turn: Turn, wid
         start=starts(count),
         layer=np.zeros(len(loops), dtype=np.int64),
         feature=np.full(len(loops), int(feature), dtype=np.int64),
-        island=int(turn) + np.arange(len(loops), dtype=np.int64),
+        island=int(first) + np.arange(len(loops), dtype=np.int64),
         closed=np.ones(len(loops), dtype=bool),
         width=np.full(int(count.sum()), width),
     )

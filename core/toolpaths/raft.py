@@ -12,7 +12,7 @@ from ..model import FloatArray, IntArray
 from ..paths import Feature, Paths
 from ..settings import PrintSettings
 from ..slicing.planes import Layers
-from .loops import Turn
+from .loops import FirstIsland
 
 _BASE_SPACING = 2.0  # of the lowest layer, in line widths: it gives way when it is torn off the bed
 _SMOOTH_MM = 2.0
@@ -99,5 +99,5 @@ def raft_paths(area: shapely.Geometry, settings: PrintSettings) -> Paths:
     return replace(
         lines,
         feature=np.full(number, int(Feature.RAFT), dtype=np.int64),
-        island=np.full(number, int(Turn.RAFT), dtype=np.int64),
+        island=np.full(number, int(FirstIsland.RAFT), dtype=np.int64),
     )

@@ -7,7 +7,7 @@ import shapely
 
 from ..paths import Feature, Paths
 from ..settings import PrintSettings
-from .loops import Turn, exterior_rings, first_layer_loops, loop_points, on_layers
+from .loops import FirstIsland, exterior_rings, first_layer_loops, loop_points, on_layers
 
 _CORNER_TOLERANCE_MM = 0.05
 _SMOOTH_MM = 4.0
@@ -37,7 +37,8 @@ def shield_paths(shadow: shapely.Geometry, layers: int, settings: PrintSettings)
         return Paths.empty()
     rings = shapely.simplify(exterior_rings(np.array([_walls(shadow, settings)])), _CORNER_TOLERANCE_MM)
     loops = [loop_points(ring) for ring in rings]
-    return on_layers(first_layer_loops(loops, Feature.OOZE_SHIELD, Turn.OOZE_SHIELD, settings.extrusion_width), layers)
+    wall = first_layer_loops(loops, Feature.OOZE_SHIELD, FirstIsland.OOZE_SHIELD, settings.extrusion_width)
+    return on_layers(wall, layers)
 
 
 def _walls(shadow: shapely.Geometry, settings: PrintSettings) -> shapely.Geometry:

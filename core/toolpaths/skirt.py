@@ -7,7 +7,7 @@ import shapely
 
 from ..paths import Feature, Paths
 from ..settings import PrintSettings
-from .loops import Turn, exterior_rings, first_layer_loops, loop_points
+from .loops import FirstIsland, exterior_rings, first_layer_loops, loop_points
 
 CORNER_TOLERANCE_MM = 0.05
 LEAST_DISTANCE_MM = 1.0
@@ -38,7 +38,7 @@ def skirt_paths(footprint: shapely.Geometry, settings: PrintSettings) -> Paths:
     filled = shapely.convex_hull(shapely.get_parts(footprint))  # also keeps the skirt out of bays
     grown = shapely.buffer(shapely.union_all(filled), distances, quad_segs=8)
     rings = shapely.simplify(exterior_rings(np.asarray(grown)), CORNER_TOLERANCE_MM)
-    return first_layer_loops([loop_points(ring) for ring in rings], Feature.SKIRT, Turn.SKIRT, width)
+    return first_layer_loops([loop_points(ring) for ring in rings], Feature.SKIRT, FirstIsland.SKIRT, width)
 
 
 def skirt_warnings(around: Paths, settings: PrintSettings) -> list[str]:

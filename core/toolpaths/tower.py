@@ -9,7 +9,7 @@ from ..model import FloatArray
 from ..paths import Feature, Paths
 from ..ragged import starts
 from ..settings import PrintSettings
-from .loops import Turn, exterior_rings, first_layer_loops, loop_points
+from .loops import FirstIsland, exterior_rings, first_layer_loops, loop_points
 
 MOST_LOOPS = 1000
 PROPORTION = 1.4  # width of the W over its depth: about equally stiff both ways
@@ -61,7 +61,7 @@ def tower_paths(loops: list[FloatArray], layers: int, settings: PrintSettings) -
     """
     if not loops or layers <= 0:
         return Paths.empty()
-    brim = first_layer_loops(tower_brim(loops, settings), Feature.TOWER, Turn.TOWER_BRIM, _first_width(settings))
+    brim = first_layer_loops(tower_brim(loops, settings), Feature.TOWER, FirstIsland.TOWER_BRIM, _first_width(settings))
     corners = len(loops[0])
     turned = [np.concatenate(_started(loops, corner)) for corner in range(corners)]
     count = np.tile(np.array([len(loop) for loop in loops], dtype=np.int64), layers)
@@ -72,7 +72,7 @@ def tower_paths(loops: list[FloatArray], layers: int, settings: PrintSettings) -
         start=starts(count),
         layer=layer,
         feature=np.full(len(count), int(Feature.TOWER), dtype=np.int64),
-        island=int(Turn.TOWER) + np.tile(np.arange(len(loops), dtype=np.int64), layers),
+        island=int(FirstIsland.TOWER) + np.tile(np.arange(len(loops), dtype=np.int64), layers),
         closed=np.ones(len(count), dtype=bool),
         width=np.repeat(width, count),
     )

@@ -15,9 +15,8 @@ from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.supports import grid_overlay
-from dualcolor.core.supports.lines import SUPPORT_ISLAND
 from dualcolor.core.supports.supports import supports
-from dualcolor.core.toolpaths.loops import Turn
+from dualcolor.core.toolpaths.loops import FirstIsland
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.tests.core.fill.fill_shapes import lines_of
 from dualcolor.tests.real_models import obj_model
@@ -58,7 +57,7 @@ def test_nothing_unless_wished():
 
 def test_underside_of_a_table_is_held_from_the_bed(table):
     _, made = table
-    assert (made.paths.island == SUPPORT_ISLAND).all()
+    assert (made.paths.island == FirstIsland.SUPPORT).all()
     # The plate rests on layer 39; one layer is air.
     assert heights(made.paths).tolist() == list(range(TABLE_TOP - 1))
     leg = shapely.box(-3, -3, 3, 3)
@@ -209,8 +208,12 @@ def test_order_is_tower_then_supports_then_part():
         row = [np.zeros(1, dtype=np.int64), np.full(1, int(feature)), np.full(1, island)]
         return Paths(square, np.array([0, 4]), *row, np.ones(1, dtype=bool), np.full(4, WIDTH))
 
-    table = [one(Feature.OUTER_WALL, 0), one(Feature.SUPPORT_INTERFACE, SUPPORT_ISLAND)]
-    table += [one(Feature.SUPPORT, SUPPORT_ISLAND), one(Feature.TOWER, Turn.TOWER), one(Feature.SKIRT, Turn.SKIRT)]
+    table = [one(Feature.OUTER_WALL, 0), one(Feature.SUPPORT_INTERFACE, FirstIsland.SUPPORT)]
+    table += [
+        one(Feature.SUPPORT, FirstIsland.SUPPORT),
+        one(Feature.TOWER, FirstIsland.TOWER),
+        one(Feature.SKIRT, FirstIsland.SKIRT),
+    ]
     order = ordered(Paths.joined(table), PrintSettings()).feature.tolist()
     wanted = [Feature.SKIRT, Feature.TOWER, Feature.SUPPORT, Feature.SUPPORT_INTERFACE, Feature.OUTER_WALL]
     assert order == [int(feature) for feature in wanted]

@@ -8,7 +8,7 @@ import shapely
 import shapely.affinity
 from dualcolor.core.errors import MeshError, SettingsError
 from dualcolor.core.paths import Feature
-from dualcolor.core.toolpaths.loops import Turn
+from dualcolor.core.toolpaths.loops import FirstIsland
 from dualcolor.core.toolpaths.order import ordered
 from dualcolor.core.toolpaths.placement import placed, turned
 from dualcolor.core.toolpaths.surroundings import tower_where_free
@@ -72,7 +72,7 @@ def test_several_loops_lie_side_by_side():
 def test_no_layer_is_left_out_and_the_start_corner_turns():
     loops = tower_loops(100.0, SETTINGS)
     paths = tower_paths(loops, 11, SETTINGS)
-    tower = paths.island >= Turn.TOWER
+    tower = paths.island >= FirstIsland.TOWER
     assert paths.layer[tower].tolist() == list(range(11))
     assert paths.closed.all() and (paths.feature == Feature.TOWER).all()
     starts = paths.points[paths.start[:-1]][tower]
