@@ -7,11 +7,12 @@ import numpy as np
 from ..settings import PrintSettings
 from ..settings.temperatures import bed_temperature, nozzle_temperature
 from ..toolpaths.moves import Moves
+from .row_commands import RowCommands
 from .standby import Standby
 
 
-def after_first_layer(moves: Moves, settings: PrintSettings, resting: Standby | None) -> dict[int, list[str]]:
-    """Commands by the row after whose tool change they stand: the one with which the second layer begins.
+def after_first_layer(moves: Moves, settings: PrintSettings, resting: Standby | None) -> RowCommands:
+    """Commands of the heaters where the second layer begins, after its tool change.
 
     Args:
         moves: the print.
@@ -21,7 +22,7 @@ def after_first_layer(moves: Moves, settings: PrintSettings, resting: Standby | 
     """
     row = int(np.searchsorted(moves.layer, 0, side="right"))
     if row == len(moves.layer):
-        return {}
+        return RowCommands({}, {})
     lines = []
     bed, first_bed = bed_temperature(settings, 1), bed_temperature(settings, 0)
     if bed != first_bed:
@@ -33,4 +34,4 @@ def after_first_layer(moves: Moves, settings: PrintSettings, resting: Standby | 
         )
         if hot != nozzle_temperature(settings, tool, 0) and not cooled:
             lines.append(f"M104 S{hot:.0f} T{tool}")
-    return {row: lines} if lines else {}
+    return RowCommands({}, {row: lines} if lines else {})

@@ -8,10 +8,11 @@ from ..paths import Feature
 from ..settings import PrintSettings
 from ..settings.printer import PrinterProfile
 from ..toolpaths.moves import Moves
+from .row_commands import RowCommands
 
 
-def fan_commands(moves: Moves, settings: PrintSettings) -> tuple[dict[int, list[str]], dict[int, list[str]]]:
-    """Commands of the fan by row: before it, and after its tool change.
+def fan_commands(moves: Moves, settings: PrintSettings) -> RowCommands:
+    """Commands of the fan.
 
     With Marlin they are repeated after each tool change: with a fan at each nozzle they apply to the active one.
 
@@ -29,14 +30,14 @@ def fan_commands(moves: Moves, settings: PrintSettings) -> tuple[dict[int, list[
         after = dict.fromkeys(np.flatnonzero(begins).tolist(), usual)
     bridging = _blow(settings.bridge_fan_speed, printer)
     if settings.bridge_fan_speed <= settings.fan_speed or bridging == usual:
-        return {}, after
+        return RowCommands({}, after)
     strands = np.flatnonzero(cooled & moves.extrudes)
     over_air, tool = moves.feature[strands] == Feature.BRIDGE, fan[strands]
     changes = np.diff(over_air, prepend=False) | (over_air & (np.diff(tool, prepend=-1) != 0))
     if not settings.fan_speed:  # the fan of the other nozzle may still blow
         changes |= np.diff(tool, prepend=-1) != 0
     rows = zip(strands[changes].tolist(), over_air[changes].tolist(), strict=True)
-    return {row: bridging if spans else usual for row, spans in rows}, after
+    return RowCommands({row: bridging if spans else usual for row, spans in rows}, after)
 
 
 def _blow(percent: float, printer: PrinterProfile) -> list[str]:

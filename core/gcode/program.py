@@ -22,11 +22,9 @@ from .fan import fan_commands
 from .lines import Lines, after_break, filament_steps, rounded_lines
 from .marlin import fed_by_each
 from .numbers import COORDINATE_LIMIT
+from .row_commands import RowCommands
 from .sequences import StartSequence, end_sequence, start_sequence, tool_change_lines
 from .standby import standby, standby_commands
-
-# Lines for heaters and fan by row, before the row and after its tool change.
-HeatingCommands = tuple[dict[int, list[str]], dict[int, list[str]]]
 
 WIDTH_STEP = 0.002
 """mm, resolution of the widths in comments."""
@@ -123,24 +121,14 @@ def untimed_program(moves: Moves, settings: PrintSettings) -> Program:
     return Program(start.lines, lines, places, insertions, width_places, widths, end)
 
 
-def _heating(moves: Moves, settings: PrintSettings) -> HeatingCommands:
-    """Lines for heaters and fan, before a row and after its tool change."""
-    resting = None
-    idle: HeatingCommands = ({}, {})
+def _heating(moves: Moves, settings: PrintSettings) -> RowCommands:
+    """All commands of heaters and fan between the moves."""
+    resting, parts = None, []
     if settings.standby_temperature_delta:
         resting = standby(moves, move_seconds(moves, settings.printer_profile), settings)
-        idle = standby_commands(moves, resting, settings)
-    fan = fan_commands(moves, settings)
-    return _merged(idle[0], fan[0]), _merged(idle[1], after_first_layer(moves, settings, resting), fan[1])
-
-
-def _merged(*parts: dict[int, list[str]]) -> dict[int, list[str]]:
-    """Lines by row, of one part after the other."""
-    lines: dict[int, list[str]] = {}
-    for part in parts:
-        for row, more in part.items():
-            lines[row] = lines.get(row, []) + more
-    return lines
+        parts.append(standby_commands(moves, resting, settings))
+    parts += [after_first_layer(moves, settings, resting), fan_commands(moves, settings)]
+    return RowCommands.joined(parts)
 
 
 def _check(moves: Moves) -> None:
@@ -172,10 +160,7 @@ def _first_prime(moves: Moves, tool: int) -> float:
 
 
 def _insertions(
-    moves: Moves,
-    strands: IntArray,
-    heating: HeatingCommands,
-    printer: PrinterProfile,
+    moves: Moves, strands: IntArray, heating: RowCommands, printer: PrinterProfile
 ) -> tuple[IntArray, list[bytes]]:
     """Insertions between the lines: comments at layers and features, marks for the progress, tool changes.
 
@@ -195,23 +180,21 @@ def _insertions(
     feature_starts = np.zeros(len(layer_starts), dtype=bool)
     feature_starts[strands[np.append(True, feature[1:] != feature[:-1])[: len(feature)]]] = True
     others = layer_starts | tool_starts
-    others[list(heating[0])] = True
+    others[list(heating.before)] = True
     rows = np.flatnonzero(others | feature_starts)
     kinds = feature_comments(printer)
     insertions = [kinds[number] for number in moves.feature[rows].tolist()]
-    of_rows = (layer_starts, moves.layer, tool_starts, moves.tool, feature_starts)
     place = np.flatnonzero(others[rows])
     top = moves.position[np.append(strands, -1)[np.searchsorted(strands, rows[place])], 2]
-    travels = _travels_ahead(moves, rows[place][tool_starts[rows[place]]], printer)
-    columns = (place, rows[place], top, *(column[rows[place]] for column in of_rows))
-    for number, row, height, *values in zip(*(column.tolist() for column in columns), strict=True):
-        new_layer, layer, new_tool, tool, new_feature = values
-        lines = list(heating[0].get(row, []))
-        if new_layer:
-            lines += [*layer_comments(layer, height, printer), PROGRESS[:-1].decode()]
-        lines += [*travels.get(row, []), *tool_change_lines(tool, printer)] if new_tool else []
-        lines += heating[1].get(row, [])
-        insertions[number] = joined(lines) + insertions[number] * new_feature
+    travels = _travels_ahead(moves, np.flatnonzero(tool_starts), printer)
+    for number, row, height in zip(place.tolist(), rows[place].tolist(), top.tolist(), strict=True):
+        lines = list(heating.before.get(row, []))
+        if layer_starts[row]:
+            lines += [*layer_comments(int(moves.layer[row]), height, printer), PROGRESS[:-1].decode()]
+        if tool_starts[row]:
+            lines += [*travels.get(row, []), *tool_change_lines(int(moves.tool[row]), printer)]
+        lines += heating.after.get(row, [])
+        insertions[number] = joined(lines) + (insertions[number] if feature_starts[row] else b"")
     return rows, insertions
 
 

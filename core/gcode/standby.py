@@ -10,6 +10,7 @@ from ..settings import PrintSettings
 from ..settings.temperatures import nozzle_temperature
 from ..statistics.breakdown import NOZZLE_C_PER_S
 from ..toolpaths.moves import Moves
+from .row_commands import LinesByRow, RowCommands
 
 # A nozzle is cooled only if it is idle for at least this many times its heating time.
 _LEAST_IDLE = 2.0
@@ -58,22 +59,17 @@ def preheat_seconds(settings: PrintSettings) -> float:
     return max(settings.preheat_time, settings.standby_temperature_delta / NOZZLE_C_PER_S)
 
 
-def standby_commands(
-    moves: Moves, found: Standby, settings: PrintSettings
-) -> tuple[dict[int, list[str]], dict[int, list[str]]]:
-    """Commands of the idle nozzle: what stands before a row and its tool change, and what stands after the change.
+def standby_commands(moves: Moves, found: Standby, settings: PrintSettings) -> RowCommands:
+    """Commands of the idle nozzle: it is cooled after a tool change, heated in time, and waited for where it is needed.
 
     Args:
         moves: the print.
         found: when to cool and when to heat.
         settings: of the print.
-
-    Returns:
-        Lines by row: heating, and waiting for the nozzle where it is needed; cooling.
     """
     marlin = settings.printer_profile.marlin is not None
-    before: dict[int, list[str]] = {}
-    after: dict[int, list[str]] = {}
+    before: LinesByRow = {}
+    after: LinesByRow = {}
     columns = (found.tool, found.cool, found.heat, found.use)
     for tool, cool, heat, use in zip(*(column.tolist() for column in columns), strict=True):
         warm = nozzle_temperature(settings, tool, int(moves.layer[cool])) - settings.standby_temperature_delta
@@ -83,7 +79,7 @@ def standby_commands(
             before.setdefault(heat, []).append(f"M104 S{hot:.0f} T{tool}")
             wait = f"M109 S{hot:.0f} T{tool}" if marlin else f"M133 T{tool}"
             before.setdefault(use, []).append(wait)
-    return before, after
+    return RowCommands(before, after)
 
 
 def standby_warnings(moves: Moves, seconds: FloatArray, settings: PrintSettings) -> list[str]:
