@@ -60,6 +60,29 @@ class Paths:
         none = np.zeros(0, dtype=np.int64)
         return Paths(np.zeros((0, 2)), np.zeros(1, dtype=np.int64), none, none, none, none.astype(bool), np.zeros(0))
 
+    @staticmethod
+    def alike(
+        points: FloatArray,
+        start: IntArray,
+        layer: IntArray,
+        *,
+        feature: Feature,
+        island: IntArray | int,
+        closed: bool,
+        width: FloatArray | float,
+    ) -> Paths:
+        """Paths of one feature, all closed or all open, perhaps of one island or width; all else as the attributes."""
+        count = len(layer)
+        return Paths(
+            points=points,
+            start=np.asarray(start, dtype=np.int64),
+            layer=np.asarray(layer, dtype=np.int64),
+            feature=np.full(count, int(feature), dtype=np.int64),
+            island=np.asarray(np.broadcast_to(island, count), dtype=np.int64),
+            closed=np.full(count, closed),
+            width=width if isinstance(width, np.ndarray) else np.full(len(points), width),
+        )
+
     @property
     def first_layer(self) -> Paths:
         """The paths of layer 0, as views; the layers must not decrease."""

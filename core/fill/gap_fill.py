@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from itertools import pairwise
 
@@ -155,7 +155,7 @@ def _lose_length(outer: Shapes, inner: Shapes, width_mm: FloatArray) -> BoolArra
 
 
 def gap_paths(
-    found: list[Shapes], margin: tuple[float, ...], island_layer: IntArray, width_mm: FloatArray
+    found: Sequence[Shapes], margin: tuple[float, ...], island_layer: IntArray, width_mm: FloatArray
 ) -> AbstractContextManager[Callable[[], list[Paths]]]:
     """Lines along the middle of gaps, as wide as the gaps are; other threads begin with them, see `parallel.begun`.
 
@@ -202,14 +202,10 @@ def _lines_in(
     points, across, line = _to_the_ends(points, 2 * half, line, parts, part)
     across *= _beside_the_middle(points, across, line, parts, part)[part[line]]
     across += (kept_off[part] * width)[line]
-    return Paths(
-        points=points,
-        start=starts(np.bincount(line, minlength=len(lines))),
-        layer=island_layer[island[part]].astype(np.int64),
-        feature=np.full(len(lines), int(Feature.SKIN), dtype=np.int64),
-        island=island[part],
-        closed=np.zeros(len(lines), dtype=bool),
-        width=np.clip(across, _NARROWEST * width[line], _WIDEST * width[line]),
+    start, island = starts(np.bincount(line, minlength=len(lines))), island[part]
+    across = np.clip(across, _NARROWEST * width[line], _WIDEST * width[line])
+    return Paths.alike(
+        points, start, island_layer[island], feature=Feature.SKIN, island=island, closed=False, width=across
     )
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from ..model import FloatArray, IntArray, Shapes
+from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..paths import Feature, Paths
 from ..ragged import starts
 from ..records import dataclass
@@ -104,18 +104,12 @@ def gyroid_paths(
     owner = np.repeat(region, np.diff(start))
     points = rotated(_Waves(z[owner], scale).measured(points), angle, owner)
     points, start = _simplified(points, start)
-    return Paths(
-        points=points,
-        start=start,
-        layer=layer[region].astype(np.int64),
-        feature=np.full(len(region), int(Feature.INFILL), dtype=np.int64),
-        island=region.astype(np.int64),
-        closed=np.zeros(len(region), dtype=bool),
-        width=np.repeat(width_mm[region], np.diff(start)),
-    )
+    width = np.repeat(width_mm[region], np.diff(start))
+    return Paths.alike(points, start, layer[region], feature=Feature.INFILL, island=region, closed=False, width=width)
 
 
-def _along_x(z: FloatArray) -> FloatArray:
+def _along_x(z: FloatArray) -> BoolArray:
+    """(N,) whether the waves at heights z (N,), in radians, run along x; along y they do elsewhere."""
     return np.asarray(np.abs(np.sin(z)) <= np.abs(np.cos(z)))
 
 
@@ -131,6 +125,7 @@ def _subdivided(points: FloatArray, start: IntArray, chord_mm: float) -> tuple[F
 
 
 def _simplified(points: FloatArray, start: IntArray) -> tuple[FloatArray, IntArray]:
+    """Polylines with fewer points, within `_SIMPLIFY_MM`."""
     lines = shapely.linestrings(points, indices=np.repeat(np.arange(len(start) - 1), np.diff(start)))
     lines = shapely.simplify(lines, _SIMPLIFY_MM, preserve_topology=False)
     return shapely.get_coordinates(lines), starts(shapely.get_num_coordinates(lines))

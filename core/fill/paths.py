@@ -60,11 +60,11 @@ def wall_areas(
             of the waved wall of each connected region.
         straight: (I,) where the outer wall has no wave beside others that do, see `outer_wall.straight_parts`.
         island_layer: (I,) int64.
-        settings: walls and fill.
+        settings: walls, P = `perimeters` of them, and fill.
 
     Returns:
-        (I,) each: the regions bounded by the walls' center lines, from the islands themselves in; the gaps between
-        each wall and the next, and inside the last; what is to be filled.
+        2 P + 3 arrays (I,): P + 1 of regions, the islands and what each wall's center line bounds, from the outside in;
+        P + 1 of gaps, between each of these and the next, and inside the last; one of what is to be filled.
     """
 
     def chunk(islands: Shapes, straight: Shapes, layer: IntArray) -> tuple[Shapes, ...]:
@@ -76,7 +76,7 @@ def wall_areas(
     return geos_in_threads(chunk, islands, straight, island_layer)
 
 
-def fill_areas(fill: Shapes, solid: Shapes, whole: BoolArray, settings: PrintSettings) -> tuple[Shapes, ...]:
+def fill_areas(fill: Shapes, solid: Shapes, whole: BoolArray, settings: PrintSettings) -> tuple[Shapes, Shapes]:
     """Divide what is to be filled of each island into skins and sparse fill, (I,) each; no island depends on another.
 
     Args:
@@ -89,12 +89,13 @@ def fill_areas(fill: Shapes, solid: Shapes, whole: BoolArray, settings: PrintSet
     def chunk(fill: Shapes, solid: Shapes, whole: BoolArray) -> tuple[Shapes, ...]:
         return solid_and_sparse(fill, Skins(solid, whole), settings)
 
-    return geos_in_threads(chunk, fill, solid, whole)
+    skins, sparse = geos_in_threads(chunk, fill, solid, whole)
+    return skins, sparse
 
 
 def fill_lines(
     walls: tuple[Shapes, ...],
-    fill: tuple[Shapes, ...],
+    fill: tuple[Shapes, Shapes],
     over_air: Bridges,
     island_layer: IntArray,
     settings: PrintSettings,
@@ -112,14 +113,11 @@ def fill_lines(
         INNER_WALL loops whose first center line lies a line width inside the island's boundary, and SKIN, BRIDGE
         and INFILL lines. Islands are numbered by their place in `island_layer`.
     """
-    width = line_widths(island_layer, settings)
-    solid, sparse = fill
-    *bounded, _ = walls
-    centers, narrow = bounded[: len(bounded) // 2], bounded[len(bounded) // 2 :]
-    with gap_paths(narrow, margins(settings), island_layer, width) as along_gaps:  # GEOS triangulates, numpy hatches
-        lines = _hatched(solid, sparse, over_air, island_layer, settings)
-        walls_along = wall_paths(centers[1:], island_layer, width)
-        return Paths.joined([walls_along, *along_gaps(), *lines])
+    width, count = line_widths(island_layer, settings), settings.perimeters + 1
+    centers, gaps = walls[1:count], walls[count : 2 * count]
+    with gap_paths(gaps, margins(settings), island_layer, width) as along_gaps:  # GEOS triangulates, numpy hatches
+        lines = _hatched(*fill, over_air, island_layer, settings)
+        return Paths.joined([wall_paths(centers, island_layer, width), *along_gaps(), *lines])
 
 
 def _hatched(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
@@ -26,12 +28,12 @@ def walls_and_fill(
     Args:
         islands: (I,) valid regions whose boundary is the center line of the outermost wall's inside.
         width_mm: (I,) of the lines.
-        settings: `perimeters` and `infill_overlap` are read.
+        settings: `perimeters`, P, and `infill_overlap` are read.
 
     Returns:
-        The islands, and then for each straight wall, from the outside in, (I,) regions bounded by its center line;
-        (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap; and how each wall came
-        from the one before.
+        P + 1 arrays (I,): the islands, and then for each straight wall, from the outside in, regions bounded by its
+        center line; (I,) regions to fill: what is inside the last wall's inner edge, grown by the overlap; and for each
+        of the P walls how it came from the one before.
     """
     into_fill = (settings.infill_overlap / 100.0 - 0.5) * width_mm
     walls, steps = [islands], []
@@ -41,16 +43,16 @@ def walls_and_fill(
     inside = simplified(walls[-1], _SIMPLIFY_MM)
     filled = moved(inside, into_fill)
     fill = completed(filled, inside, into_fill)
-    for number, onwards in enumerate([*steps[1:], filled][: len(steps)], start=1):
-        # Where edges have met on the way further in, or nothing was left to go on with.
+    for number, onwards in enumerate([*steps, filled][1:], start=1):
+        # A wall may have necks where edges have met on the way farther in, or nothing was left to go on with.
         rows = np.flatnonzero(~onwards.sound | (shapely.is_empty(onwards.shapes) & ~shapely.is_empty(walls[number])))
-        least = _NARROWEST / 2 * width_mm[rows]
-        if onwards is filled and np.allclose(into_fill[rows], -least):
-            cores, least = fill[rows], least + _SIMPLIFY_MM
+        half = _NARROWEST / 2 * width_mm[rows]
+        if onwards is filled and np.allclose(into_fill[rows], -half):  # moved in by just that already
+            cores, half = fill[rows], half + _SIMPLIFY_MM
         else:
-            cores = offset(walls[number][rows], -least)
-        opened = _open_necks(walls[number], rows, offset(cores, least + _APART_MM), width_mm[rows])
-        steps[number - 1].sound[opened] = False
+            cores = offset(walls[number][rows], -half)
+        opened = _open_necks(walls[number], rows, offset(cores, half + _APART_MM), width_mm[rows])
+        steps[number - 1].sound[opened] = False  # gaps are looked for there
     return walls, fill, steps
 
 
@@ -69,7 +71,7 @@ def _open_necks(walls: Shapes, rows: IntArray, wide: Shapes, width_mm: FloatArra
     return changed
 
 
-def wall_paths(walls: list[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
+def wall_paths(walls: Sequence[Shapes], island_layer: IntArray, width_mm: FloatArray) -> Paths:
     """The boundaries of the walls' regions as closed paths.
 
     Args:
@@ -109,12 +111,5 @@ def boundary_paths(
     printable = shapely.length(rings) >= 2.0 * width_mm[island]
     rings, island = rings[printable], island[printable]
     points, start = ring_points(rings)
-    return Paths(
-        points=points,
-        start=start,
-        layer=island_layer[island].astype(np.int64),
-        feature=np.full(len(rings), int(feature), dtype=np.int64),
-        island=island.astype(np.int64),
-        closed=np.ones(len(rings), dtype=bool),
-        width=np.repeat(width_mm[island], np.diff(start)),
-    )
+    width = np.repeat(width_mm[island], np.diff(start))
+    return Paths.alike(points, start, island_layer[island], feature=feature, island=island, closed=True, width=width)

@@ -112,15 +112,16 @@ def _fill_lines_anew(
     former: Paths,
     changed: BoolArray,
     walls: tuple[Shapes, ...],
-    fill: tuple[Shapes, ...],
+    fill: tuple[Shapes, Shapes],
     over_air: Bridges,
     island_layer: IntArray,
     settings: PrintSettings,
 ) -> Paths:
     """As `fill_lines`; see `changed_layers.py`. Islands keep their numbers, so those of other layers are left empty."""
     own = changed[island_layer]
-    walls, fill = (tuple(np.where(own, column, Polygon()) for column in areas) for areas in (walls, fill))
-    lines = fill_lines(walls, fill, over_air.selected(own[over_air.island]), island_layer, settings)
+    walls = tuple(np.where(own, column, Polygon()) for column in walls)
+    solid, sparse = (np.where(own, column, Polygon()) for column in fill)
+    lines = fill_lines(walls, (solid, sparse), over_air.selected(own[over_air.island]), island_layer, settings)
     return Paths.joined([former.selected(~changed[former.layer]), lines])
 
 

@@ -189,12 +189,12 @@ def _unwaved(outlines: WavedOutlines, number: IntArray, tolerance: float) -> Pat
     )
     last = np.append(row[1:] != row[:-1], True)[: len(row)]  # the point that closes the loop
     points, row = points[~last], row[~last]
-    return Paths(
-        points=points,
-        start=starts(np.bincount(row, minlength=len(chosen))),
-        layer=number[outlines.layer[chosen]],
-        feature=np.full(len(chosen), int(Feature.OUTER_WALL), dtype=np.int64),
+    return Paths.alike(
+        points,
+        starts(np.bincount(row, minlength=len(chosen))),
+        number[outlines.layer[chosen]],
+        feature=Feature.OUTER_WALL,
         island=outlines.polygon[chosen],
-        closed=np.ones(len(chosen), dtype=bool),
-        width=np.full(len(points), float(np.median(outlines.width)) if len(outlines.width) else 0.0),
+        closed=True,
+        width=float(np.median(outlines.width)) if len(outlines.width) else 0.0,
     )

@@ -137,21 +137,14 @@ def _hatched(areas: Areas, shapes: Shapes, owner: IntArray, width: float) -> Pat
     keep = long_enough(cut, found, width)
     points, start, row = joined(cut, found, keep, 0 * everywhere, limits)
     points = rotated(points, angle, np.repeat(row, np.diff(start)))
-    return _paths(areas, points, start, areas.layer[owner[row]], False, width)
+    return _paths(areas, points, start, areas.layer[owner[row]], closed=False, width=width)
 
 
 def _loops(areas: Areas, parts: Shapes, owner: IntArray, width: float) -> Paths:
     points, start = ring_points(shapely.get_exterior_ring(parts))
-    return _paths(areas, points, start, areas.layer[owner], True, width)
+    return _paths(areas, points, start, areas.layer[owner], closed=True, width=width)
 
 
 def _paths(areas: Areas, points: FloatArray, start: IntArray, layer: IntArray, closed: bool, width: float) -> Paths:
-    return Paths(
-        points=points,
-        start=start.astype(np.int64),
-        layer=layer.astype(np.int64),
-        feature=np.full(len(layer), int(areas.feature), dtype=np.int64),
-        island=np.full(len(layer), int(FirstIsland.SUPPORT), dtype=np.int64),
-        closed=np.full(len(layer), closed),
-        width=np.full(len(points), width),
-    )
+    island = FirstIsland.SUPPORT
+    return Paths.alike(points, start, layer, feature=areas.feature, island=island, closed=closed, width=width)

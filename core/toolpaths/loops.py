@@ -54,15 +54,14 @@ def first_layer_loops(loops: list[FloatArray], feature: Feature, first: FirstIsl
     """
     if not loops:
         return Paths.empty()
-    count = np.array([len(loop) for loop in loops], dtype=np.int64)
-    return Paths(
-        points=np.concatenate(loops),
-        start=starts(count),
-        layer=np.zeros(len(loops), dtype=np.int64),
-        feature=np.full(len(loops), int(feature), dtype=np.int64),
-        island=int(first) + np.arange(len(loops), dtype=np.int64),
-        closed=np.ones(len(loops), dtype=bool),
-        width=np.full(int(count.sum()), width),
+    return Paths.alike(
+        np.concatenate(loops),
+        starts(np.array([len(loop) for loop in loops])),
+        np.zeros(len(loops), dtype=np.int64),
+        feature=feature,
+        island=first + np.arange(len(loops)),
+        closed=True,
+        width=width,
     )
 
 

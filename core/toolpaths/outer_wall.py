@@ -22,14 +22,13 @@ def outer_wall_paths(waved: WavedOutlines) -> Paths:
     """One closed path per outline, or several open ones if two tools share it; its island is the region it bounds."""
     if waved.swapped is not None:
         return _shared(waved, waved.swapped)
-    loops = len(waved.layer)
-    return Paths(
-        points=waved.points,
-        start=waved.start,
-        layer=waved.layer,
-        feature=np.full(loops, int(Feature.OUTER_WALL), dtype=np.int64),
+    return Paths.alike(
+        waved.points,
+        waved.start,
+        waved.layer,
+        feature=Feature.OUTER_WALL,
         island=waved.polygon,
-        closed=np.ones(loops, dtype=bool),
+        closed=True,
         width=waved.width,
     )
 

@@ -67,13 +67,13 @@ def tower_paths(loops: list[FloatArray], layers: int, settings: PrintSettings) -
     count = np.tile(np.array([len(loop) for loop in loops], dtype=np.int64), layers)
     layer = np.repeat(np.arange(layers, dtype=np.int64), len(loops))
     width = np.where(layer == 0, _first_width(settings), settings.extrusion_width)
-    tower = Paths(
-        points=np.concatenate([turned[layer % corners] for layer in range(layers)]),
-        start=starts(count),
-        layer=layer,
-        feature=np.full(len(count), int(Feature.TOWER), dtype=np.int64),
-        island=int(FirstIsland.TOWER) + np.tile(np.arange(len(loops), dtype=np.int64), layers),
-        closed=np.ones(len(count), dtype=bool),
+    tower = Paths.alike(
+        np.concatenate([turned[layer % corners] for layer in range(layers)]),
+        starts(count),
+        layer,
+        feature=Feature.TOWER,
+        island=FirstIsland.TOWER + np.tile(np.arange(len(loops)), layers),
+        closed=True,
         width=np.repeat(width, count),
     )
     return Paths.joined([brim, tower])
