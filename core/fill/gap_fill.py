@@ -79,6 +79,7 @@ def _keep_off(gaps: Shapes, straight: Shapes, width_mm: FloatArray) -> None:
 
 
 def _gaps(outer: Shapes, inner: Shapes, step: Moved, width_mm: FloatArray, margin: float) -> Shapes:
+    """(I,) what lies between the strands of two walls; arguments as of `gaps_between`, `margin` as of `margins`."""
     found = np.full(len(outer), shapely.Polygon(), dtype=object)
     rows = np.flatnonzero(_strays(inner, step, width_mm, _lose_length(outer, inner, width_mm)))
     width = width_mm[rows]

@@ -94,18 +94,22 @@ def gyroid_paths(
     corners, owner = shapely.get_coordinates(warped, return_index=True)
     counted = _Waves(z[owner], scale).counted(rotated(corners, -angle, owner))
     shapely.set_coordinates(warped, counted * [1.0, apart])
-    cut = crossings(warped, np.zeros(len(regions)), np.full(len(regions), apart))
-    found = spans(cut)
-    limits = LinkLimits(0.0, np.full(len(regions), _NO_STRAIGHT_LINK), np.full(len(regions), _LONGEST_LINK * apart))
-    keep = long_enough(cut, found, 0.5 * settings.extrusion_width)
-    points, start, region = joined(cut, found, keep, np.zeros(len(regions)), limits)
-
+    points, start, region = _straight_lines(warped, apart, 0.5 * settings.extrusion_width)
     points, start = _subdivided(points / [1.0, apart], start, chord)
     owner = np.repeat(region, np.diff(start))
     points = rotated(_Waves(z[owner], scale).measured(points), angle, owner)
     points, start = _simplified(points, start)
     width = np.repeat(width_mm[region], np.diff(start))
     return Paths.alike(points, start, layer[region], feature=Feature.INFILL, island=region, closed=False, width=width)
+
+
+def _straight_lines(regions: Shapes, apart: float, shortest: float) -> tuple[FloatArray, IntArray, IntArray]:
+    """Lines along x in regions (I,), `apart` from each other and no shorter than `shortest`; results as of `joined`."""
+    everywhere = np.ones(len(regions))
+    cut = crossings(regions, 0 * everywhere, apart * everywhere)
+    found = spans(cut)
+    limits = LinkLimits(0.0, _NO_STRAIGHT_LINK * everywhere, _LONGEST_LINK * apart * everywhere)
+    return joined(cut, found, long_enough(cut, found, shortest), 0 * everywhere, limits)
 
 
 def _along_x(z: FloatArray) -> BoolArray:

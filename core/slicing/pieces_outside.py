@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..ragged import ranges, starts, summable
 from ..records import dataclass
 
@@ -28,7 +27,7 @@ class Boundaries:
         start: (S + 1,) int64, where those of each polygon start.
     """
 
-    rings: NDArray[np.object_]
+    rings: Shapes
     room: IntArray
     hole: BoolArray
     points: FloatArray
@@ -60,7 +59,7 @@ class Pieces:
         return Pieces(number[kept], self.share[kept], self.ring[kept], self.arc[kept])
 
 
-def boundaries(shapes: NDArray[np.object_]) -> Boundaries:
+def boundaries(shapes: Shapes) -> Boundaries:
     """The boundaries of (S,) Polygons or MultiPolygons."""
     parts, of_part = shapely.get_parts(shapes, return_index=True)
     rings, part = shapely.get_rings(parts, return_index=True)

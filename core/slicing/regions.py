@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..ragged import ahead, ranges, starts
 from ..records import dataclass
 from .outlines import Outlines
@@ -27,7 +26,7 @@ class Regions:
     """
 
     outlines: Outlines
-    polygons: NDArray[np.object_]
+    polygons: Shapes
     polygon_layer: IntArray
     loop_polygon: IntArray
 
@@ -98,7 +97,7 @@ def straightened(points: FloatArray, start: IntArray, tolerance: float) -> tuple
     return points, start
 
 
-def polygons_of(outlines: Outlines, rings: IntArray, start: IntArray) -> NDArray[np.object_]:
+def polygons_of(outlines: Outlines, rings: IntArray, start: IntArray) -> Shapes:
     """(K,) shapely polygons.
 
     Args:
@@ -109,7 +108,7 @@ def polygons_of(outlines: Outlines, rings: IntArray, start: IntArray) -> NDArray
     return ring_polygons(outlines.points, outlines.start, rings, start)
 
 
-def ring_polygons(points: FloatArray, loop_start: IntArray, rings: IntArray, start: IntArray) -> NDArray[np.object_]:
+def ring_polygons(points: FloatArray, loop_start: IntArray, rings: IntArray, start: IntArray) -> Shapes:
     """(K,) shapely polygons of rings that do not repeat their first points; arguments as of `polygons_of`."""
     if not len(rings):
         return np.zeros(0, dtype=object)
@@ -118,11 +117,11 @@ def ring_polygons(points: FloatArray, loop_start: IntArray, rings: IntArray, sta
     point = ranges(loop_start[rings], count)
     point[ring_start[1:] - 1] = loop_start[rings]
     kind = shapely.GeometryType.POLYGON
-    polygons: NDArray[np.object_] = shapely.from_ragged_array(kind, points.take(point, axis=0), (ring_start, start))
+    polygons: Shapes = shapely.from_ragged_array(kind, points.take(point, axis=0), (ring_start, start))
     return polygons
 
 
-def ring_points(rings: NDArray[np.object_]) -> tuple[FloatArray, IntArray]:
+def ring_points(rings: Shapes) -> tuple[FloatArray, IntArray]:
     """(N, 2) points of (R,) rings without the repeated first ones, and (R + 1,) where those of each ring start."""
     points, ring = shapely.get_coordinates(rings, return_index=True)
     kept = np.append(ring[1:] == ring[:-1], False)[: len(ring)]
@@ -193,7 +192,7 @@ def _parents(inner: IntArray, outer: IntArray, area: FloatArray) -> IntArray:
     return parent
 
 
-def gathered(parts: NDArray[np.object_], owner: IntArray, count: int) -> NDArray[np.object_]:
+def gathered(parts: Shapes, owner: IntArray, count: int) -> Shapes:
     """(N,) one multipolygon for each owner, of its parts in their order; empty where there are none.
 
     Args:
@@ -209,7 +208,7 @@ def gathered(parts: NDArray[np.object_], owner: IntArray, count: int) -> NDArray
     return whole
 
 
-def solid_regions(outlines: Outlines, layers: int) -> NDArray[np.object_]:
+def solid_regions(outlines: Outlines, layers: int) -> Shapes:
     """(L,) cross-sections of a solid by the non-zero rule; where its loops cross, what GEOS makes of them."""
     solid = regions_of(outlines)
     regions = gathered(solid.polygons, solid.polygon_layer, layers)

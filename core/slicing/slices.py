@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ..errors import MeshError
 from ..mesh.triangles import size_hint
-from ..model import BoolArray, IntArray, TriangleMesh
+from ..model import BoolArray, IntArray, Shapes, TriangleMesh
 from ..parallel import in_chunks, in_threads
 from ..ragged import sums
 from ..records import dataclass
@@ -50,10 +49,10 @@ class Slices:
 
     layers: Layers
     outlines: Outlines
-    polygons: NDArray[np.object_]
+    polygons: Shapes
     polygon_layer: IntArray
     loop_polygon: IntArray
-    regions: NDArray[np.object_]
+    regions: Shapes
     united_layers: int
     specks: Outlines
     overlaps: IntArray
@@ -89,7 +88,7 @@ def slices(mesh: TriangleMesh, settings: PrintSettings) -> Slices:
     )  # fmt: skip
 
 
-def _crossing(regions: NDArray[np.object_]) -> BoolArray:
+def _crossing(regions: Shapes) -> BoolArray:
     """(L,) which layers have loops that cross each other or themselves: their regions (L,) are not valid."""
     (valid,) = in_chunks(lambda some: (shapely.is_valid(some),), regions, rows=_LAYERS_AT_ONCE)
     return ~valid
@@ -105,7 +104,7 @@ def _nothing(mesh: TriangleMesh, specks: Outlines, shortest: float, settings: Pr
     return MeshError("the mesh has no inside to print", hint or volume)
 
 
-def _mended(outlines: Outlines, crossing: BoolArray, shortest: float) -> tuple[Regions, NDArray[np.object_]]:
+def _mended(outlines: Outlines, crossing: BoolArray, shortest: float) -> tuple[Regions, Shapes]:
     """The regions of the layers that `crossing` (L,) marks, once their loops are united, and a multipolygon of each."""
     loops = outlines.selected(crossing[outlines.layer])
     apart, touching = uncrossed(loops)

@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from ..model import Shapes
 from ..paths import Feature, Paths
 from ..settings import PrintSettings
 from .loops import FirstIsland, exterior_rings, first_layer_loops, loop_points
@@ -45,7 +45,7 @@ def brim_paths(first_layer: shapely.Geometry, settings: PrintSettings) -> Paths:
     return first_layer_loops([loop_points(ring) for ring in _nested(levels)], Feature.BRIM, FirstIsland.BRIM, width)
 
 
-def _nested(levels: list[NDArray[np.object_]]) -> list[shapely.Geometry]:
+def _nested(levels: list[Shapes]) -> list[shapely.Geometry]:
     """Order rings so that each follows the ring around it, and all rings inside one come before its neighbor.
 
     Args:

@@ -6,9 +6,8 @@ from enum import IntEnum
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from ..model import FloatArray
+from ..model import FloatArray, Shapes
 from ..paths import Feature, Paths
 from ..ragged import starts
 
@@ -30,10 +29,10 @@ class FirstIsland(IntEnum):
     SUPPORT = -1
 
 
-def exterior_rings(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
+def exterior_rings(shapes: Shapes) -> Shapes:
     """The outer boundaries of (N,) Polygons or MultiPolygons, in their order, without the empty ones."""
     parts = shapely.get_parts(shapes)
-    rings: NDArray[np.object_] = shapely.get_exterior_ring(parts[~shapely.is_empty(parts)])
+    rings: Shapes = shapely.get_exterior_ring(parts[~shapely.is_empty(parts)])
     return rings
 
 

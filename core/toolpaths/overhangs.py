@@ -82,13 +82,7 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
     """
     if not settings.overhang_speed and settings.bridge_flow == 1.0:
         return None
-    rise = float(np.diff(plane).max(initial=0.0))
-    x, y, z = mesh.area_normals.T
-    is_inside_out = (z * mesh.vertices[:, 2].take(mesh.faces[:, 0])).sum() < 0
-    flat = (z * rise) ** 2 > settings.extrusion_width**2 * (x * x + y * y)
-    flat &= (z > 0) if is_inside_out else (z < 0)
-    corners = mesh.vertices.T.take(mesh.faces[flat].T, axis=1)
-    low, high = corners.min(axis=1), corners.max(axis=1)
+    low, high = _flat_faces(mesh, float(np.diff(plane).max(initial=0.0)), settings.extrusion_width)
     # The first layer above the bottom of each face, and the first above its top.
     first = np.maximum(np.searchsorted(plane, low[2]), 1)
     layers = np.minimum(np.searchsorted(plane, high[2], side="right"), len(plane) - 1) + 1 - first
@@ -108,6 +102,16 @@ def undersides(mesh: TriangleMesh, plane: FloatArray, settings: PrintSettings) -
     layer = number + first.take(face)
     on[layer] = cells[layer, column + begin[0].take(face), row + begin[1].take(face)] = True
     return Undersides(on, corner, cells)
+
+
+def _flat_faces(mesh: TriangleMesh, rise: float, width: float) -> tuple[FloatArray, FloatArray]:
+    """(3, F) mm, least and greatest X, Y, Z of the faces seen from below that move by `width` and more in a `rise`."""
+    x, y, z = mesh.area_normals.T
+    is_inside_out = (z * mesh.vertices[:, 2].take(mesh.faces[:, 0])).sum() < 0
+    flat = (z * rise) ** 2 > width**2 * (x * x + y * y)
+    flat &= (z > 0) if is_inside_out else (z < 0)
+    corners = mesh.vertices.T.take(mesh.faces[flat].T, axis=1)
+    return corners.min(axis=1), corners.max(axis=1)
 
 
 def with_overhangs(paths: OrderedPaths, below: Below, settings: PrintSettings) -> OrderedPaths:

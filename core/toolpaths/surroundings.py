@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ..contours.contours import POINTS_PER_WAVELENGTH
-from ..model import FloatArray, IntArray, bounds
+from ..model import FloatArray, IntArray, Shapes, bounds
 from ..paths import Paths
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -38,7 +37,7 @@ class Ground:
     first: shapely.Geometry
 
 
-def shadow(lines: FloatArray, columns: NDArray[np.object_], settings: PrintSettings) -> shapely.Geometry:
+def shadow(lines: FloatArray, columns: Shapes, settings: PrintSettings) -> shapely.Geometry:
     """The outline of all layers seen from above, holes filled, waves included, about half a millimeter larger.
 
     Args:
@@ -87,7 +86,7 @@ def ground(shade: shapely.Geometry, region: shapely.Geometry, walls: Paths, sett
     return Ground(shade, first)
 
 
-def _closed_lines(paths: Paths, chosen: IntArray) -> NDArray[np.object_]:
+def _closed_lines(paths: Paths, chosen: IntArray) -> Shapes:
     points = [paths.points[paths.start[path] : paths.start[path + 1]] for path in chosen]
     ends = [line[: int(closed)] for line, closed in zip(points, paths.closed[chosen], strict=True)]
     return np.array(

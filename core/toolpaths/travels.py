@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from ..model import BoolArray, FloatArray, IntArray
+from ..model import BoolArray, FloatArray, IntArray, Shapes
 from ..ragged import starts
 from ..records import dataclass
 from ..settings import PrintSettings
@@ -30,8 +29,8 @@ class Rooms:
         above: (I,) what the next layer covers there and elsewhere; empty above the last one.
     """
 
-    inside: NDArray[np.object_]
-    above: NDArray[np.object_]
+    inside: Shapes
+    above: Shapes
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ class Travels:
         return np.diff(self.start)
 
 
-def rooms(inside: NDArray[np.object_], layer: IntArray, regions: NDArray[np.object_]) -> Rooms:
+def rooms(inside: Shapes, layer: IntArray, regions: Shapes) -> Rooms:
     """The rooms of islands.
 
     Args:
@@ -93,20 +92,7 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
         return plain
     used, room = np.unique(paths.island[path], return_inverse=True)
     inside, above = copies(within.inside[used]), copies(within.above[used])
-    tips = np.stack([end[path - 1], begin[path]], axis=1)
-    lines = shapely.linestrings(tips)
-    reach = _wall_depth(settings)
-    walls = boundaries(inside)
-    outside = pieces_outside(tips[:, 0], tips[:, 1], walls, room)
-    crosses = _longest(outside.line, np.ptp(outside.share, axis=1), len(lines)) * shapely.length(lines) > reach
-    for distance in _BESIDE if settings.avoid_crossing_perimeters else ():
-        chosen = np.flatnonzero(crosses)
-        if not len(chosen):
-            break
-        around = _around(tips[chosen], outside.of(chosen), walls, room[chosen], distance * settings.extrusion_width)
-        good = ~_leaves(around, inside[room[chosen]], reach) & _worth(around, lines[chosen], settings)
-        lines[chosen[good]] = around[good]
-        crosses[chosen[good]] = False
+    lines, crosses = _ways(np.stack([end[path - 1], begin[path]], axis=1), inside, room, settings)
     hidden = plain.hidden.copy()
     if settings.only_retract_when_crossing_perimeters:
         hidden[path] = ~crosses & _covers(above[room], lines)
@@ -119,10 +105,33 @@ def travels(paths: OrderedPaths, within: Rooms | None, settings: PrintSettings) 
     return Travels(points[between], starts(count), hidden)
 
 
-def copies(shapes: NDArray[np.object_]) -> NDArray[np.object_]:
+def _ways(tips: FloatArray, inside: Shapes, room: IntArray, settings: PrintSettings) -> tuple[Shapes, BoolArray]:
+    """(T,) lines from place to place, if need be along the outer wall's inner side; (T,) which still cross the wall.
+
+    Args:
+        tips: (T, 2, 2) mm, where the travels begin and end.
+        inside: (R,) rooms.
+        room: (T,) the room of each travel.
+        settings: as of `travels`.
+    """
+    lines, walls, reach = shapely.linestrings(tips), boundaries(inside), _wall_depth(settings)
+    outside = pieces_outside(tips[:, 0], tips[:, 1], walls, room)
+    crosses = _longest(outside.line, np.ptp(outside.share, axis=1), len(lines)) * shapely.length(lines) > reach
+    for distance in _BESIDE if settings.avoid_crossing_perimeters else ():
+        chosen = np.flatnonzero(crosses)
+        if not len(chosen):
+            break
+        around = _around(tips[chosen], outside.of(chosen), walls, room[chosen], distance * settings.extrusion_width)
+        good = ~_leaves(around, inside[room[chosen]], reach) & _worth(around, lines[chosen], settings)
+        lines[chosen[good]] = around[good]
+        crosses[chosen[good]] = False
+    return lines, crosses
+
+
+def copies(shapes: Shapes) -> Shapes:
     """Copies of shapes, one for each distinct shape: a prepared shape must not be shared with another thread."""
     _, first, same = np.unique([id(shape) for shape in shapes.tolist()], return_index=True, return_inverse=True)
-    copied: NDArray[np.object_] = shapely.force_2d(shapes[first])[same]
+    copied: Shapes = shapely.force_2d(shapes[first])[same]
     return copied
 
 
@@ -131,7 +140,7 @@ def _wall_depth(settings: PrintSettings) -> float:
     return 2 * settings.wave_crest + 2 * _TOLERANCE_MM
 
 
-def _covers(shapes: NDArray[np.object_], lines: NDArray[np.object_]) -> BoolArray:
+def _covers(shapes: Shapes, lines: Shapes) -> BoolArray:
     """(T,) whether each line lies in its shape; not in threads, as several lines share a shape's prepared form."""
     shapely.prepare(shapes)
     covered = np.asarray(shapely.covers(shapes, lines))
@@ -139,7 +148,7 @@ def _covers(shapes: NDArray[np.object_], lines: NDArray[np.object_]) -> BoolArra
     return covered
 
 
-def _leaves(lines: NDArray[np.object_], room: NDArray[np.object_], reach: float) -> BoolArray:
+def _leaves(lines: Shapes, room: Shapes, reach: float) -> BoolArray:
     """(T,) which lines cross the wall: a piece of them outside their room is longer than `reach`, mm."""
     leaves = ~_covers(room, lines)
     piece, owner = shapely.get_parts(shapely.difference(lines[leaves], room[leaves]), return_index=True)
@@ -154,14 +163,13 @@ def _longest(owner: IntArray, length: FloatArray, count: int) -> FloatArray:
     return longest
 
 
-def _worth(around: NDArray[np.object_], lines: NDArray[np.object_], settings: PrintSettings) -> BoolArray:
+def _worth(around: Shapes, lines: Shapes, settings: PrintSettings) -> BoolArray:
+    """(T,) ways around that take no longer than what they save: the straight lines with a retraction; see `_DETOUR`."""
     retraction = 2 * settings.retract_length / settings.retract_speed * settings.travel_speed
     return np.asarray(shapely.length(around) <= _DETOUR * (shapely.length(lines) + retraction))
 
 
-def _around(
-    tips: FloatArray, outside: Pieces, walls: Boundaries, room: IntArray, distance_mm: float
-) -> NDArray[np.object_]:
+def _around(tips: FloatArray, outside: Pieces, walls: Boundaries, room: IntArray, distance_mm: float) -> Shapes:
     """(T,) lines whose pieces outside their room follow its boundary, beside it; where that fails, straight.
 
     A line leaves a room and comes back through the same ring, since what lies beyond a ring is connected.
