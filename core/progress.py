@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import TypeVar
 
 Progress = tuple[float, str]
 """Share done, and the name of what comes next."""
+
+_LOOK_S = 0.05  # as often as a window should answer
 
 _Result = TypeVar("_Result")
 _Step = TypeVar("_Step")
@@ -38,3 +41,16 @@ def translated(
             yield translate(step)
     finally:
         job.close()
+
+
+def awaited(work: Callable[[], _Result], step: _Step) -> Generator[_Step, None, _Result]:
+    """Do work in another thread and return its result; yields the same step again and again meanwhile.
+
+    Closing the job abandons the work, which must therefore change nothing.
+    """
+    thread = ThreadPoolExecutor(1)
+    result = thread.submit(work)
+    thread.shutdown(wait=False)
+    while wait([result], _LOOK_S).not_done:
+        yield step
+    return result.result()

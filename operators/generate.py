@@ -5,17 +5,18 @@ from __future__ import annotations
 from collections.abc import Generator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 
 import bpy
 
 from ..bridge.input.plate import check_present, objects_to_print, plate_model
 from ..bridge.properties import set_report, to_settings
 from ..bridge.results import digest_of, keep, kept, stages_of
-from ..bridge.strands.preview import build_preview, source_of
+from ..bridge.strands.preview import build_preview, source_of, strands_of
 from ..core.errors import counted
 from ..core.model import SurfaceModel
 from ..core.pipeline import DualColorPrint, steps
-from ..core.progress import Progress, translated
+from ..core.progress import Progress, awaited, translated
 from ..core.settings import PrintSettings
 from .job import JobOperator, Steps
 from .polls import has_printable
@@ -64,9 +65,9 @@ def printed(
     if result is None:
         job = steps(model, settings, stages_of(obj), begin_gcode)
         result = yield from translated(job, lambda step: (step[0] * _SHARE_OF_PIPELINE, step[1]))
-        yield _SHARE_OF_PIPELINE, "strands"
+        laid = yield from awaited(partial(strands_of, result), (_SHARE_OF_PIPELINE, "strands"))
         check_present(objects)
-        show_in_local_views(context, obj, build_preview(result, obj, others))
+        show_in_local_views(context, obj, build_preview(result, obj, others, laid))
         if context.object is None:  # one of the former strands was active
             make_active(context, obj)
         set_report(obj.dualcolor, result.report)

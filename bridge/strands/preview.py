@@ -11,7 +11,7 @@ import numpy as np
 from ...core.model import FloatArray, TriangleMesh
 from ...core.strands.point_attributes import moves_of_layers, point_attributes, tone_of_moves
 from ...core.strands.settling import settled
-from ...core.strands.strands import strands
+from ...core.strands.strands import Strands, strands
 from ..input.mesh_input import evaluated_mesh
 from ..mesh_data import corner_vertices, in_world, positions
 from ..units import mm_per_unit
@@ -28,10 +28,16 @@ DISPLAY_KEY = "dualcolor_display"
 """What an object that is drawn as its bounds looked like before."""
 
 
+def strands_of(result: DualColorPrint | ReadPrint) -> Strands:
+    """The strands of a print as they lie when they have cooled: the longest part of showing it, without Blender."""
+    return settled(strands(result.moves), result.settings.sag)
+
+
 def build_preview(
     result: DualColorPrint | ReadPrint,
     source: bpy.types.Object | None = None,
     companions: Sequence[bpy.types.Object] = (),
+    laid: Strands | None = None,
 ) -> bpy.types.Collection:
     """Show the print as strands in the current scene, where its source stands, and the source as its bounds only.
 
@@ -43,6 +49,7 @@ def build_preview(
         source: the mesh object that it was generated from; without it the print stands on the bed, at the
             world's origin.
         companions: the other objects on its plate; they are shown as their bounds too.
+        laid: its strands, if they are known.
 
     Returns:
         The collection, linked to the scene and to all others that the source is in.
@@ -51,7 +58,7 @@ def build_preview(
     unit = mm_per_unit(scene)
     name = source.name if source else result.name
     origin = bed_origin(result.mesh, source, unit) if source else np.zeros(3)
-    laid = settled(strands(result.moves), result.settings.sag)
+    laid = strands_of(result) if laid is None else laid
     outlines = getattr(result, "outlines", None)  # what is read from a file tells nothing of tones
     tone = tone_of_moves(outlines, result.moves, result.settings.raft_layers) if outlines else None
     attributes_of = point_attributes(result.moves, tone)
