@@ -12,9 +12,9 @@ import numpy as np
 from ..calibration.calibrate import table_for
 from ..calibration.gamut_mapping import image_range, printable_tones
 from ..calibration.provenance import tone_settings
+from ..mesh.checks import checked
 from ..mesh.polygons import triangle_corners
 from ..mesh.surface_points import points_on_faces
-from ..mesh.triangles import checked
 from ..model import Float32Array, FloatArray, IntArray, SurfaceModel
 from ..records import dataclass
 from ..settings import PrintSettings

@@ -93,7 +93,7 @@ def read_sweep(path: Path) -> Sweep:
     """The readings in a file.
 
     Raises:
-        CalibrationError: it is missing or holds something else.
+        CalibrationError: it is missing, holds something else or is inconsistent.
     """
     try:
         _check_size(path)
@@ -102,9 +102,24 @@ def read_sweep(path: Path) -> Sweep:
             angle, tone, seen, noise = (
                 held[name].astype(np.float64) for name in ("angle_deg", "tone", "reflectance", "noise")
             )
-            return Sweep(float(held["slant_deg"]), str(held["block"]), angle, tone, seen, noise, provenance)
+            sweep = Sweep(float(held["slant_deg"]), str(held["block"]), angle, tone, seen, noise, provenance)
+            if not _is_sound(sweep):
+                raise ValueError("inconsistent")
+            return sweep
     except _DAMAGES:
         raise CalibrationError(f"{path} holds no readings of a tile", "remove it and measure again") from None
+
+
+def _is_sound(sweep: Sweep) -> bool:
+    shape = (len(sweep.tone), len(sweep.angle_deg)) if sweep.tone.ndim == sweep.angle_deg.ndim == 1 else (0, 0)
+    return bool(
+        min(shape) > 0
+        and sweep.reflectance.shape == sweep.noise.shape == shape
+        and sweep.block in BLOCKS
+        and np.isfinite([sweep.slant_deg, *sweep.tone]).all()
+        and (np.diff(sweep.tone) > 0).all()
+        and (sweep.angle_deg == 0).any()
+    )
 
 
 def _check_size(path: Path) -> None:

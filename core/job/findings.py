@@ -9,7 +9,7 @@ import numpy as np
 from ..contours.contours import Contours
 from ..gcode.standby import standby_warnings
 from ..mesh.plate import object_rows, plate_warnings
-from ..mesh.triangles import size_warnings
+from ..mesh.size import size_warnings
 from ..model import FloatArray, SurfaceModel, TriangleMesh
 from ..paths import Feature
 from ..printability.footing import footing_warnings, line_warnings

@@ -12,7 +12,9 @@ from ..model import IntArray, SupportMark, SurfaceModel, ToneImage, TriangleMesh
 from ..ragged import starts
 from ..settings import PrintSettings
 from .arrange import arranged
-from .triangles import check_size, checked, placed
+from .checks import checked
+from .size import check_size
+from .triangles import placed
 
 _ROUNDING_MM = 1e-3
 

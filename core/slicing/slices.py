@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ..errors import MeshError
-from ..mesh.triangles import size_hint
+from ..mesh.size import size_hint
 from ..model import BoolArray, IntArray, Shapes, TriangleMesh
 from ..parallel import in_chunks, in_threads
 from ..ragged import sums

@@ -7,7 +7,7 @@ import shapely
 
 from ..errors import MeshError
 from ..mesh.polygons import triangle_corners
-from ..mesh.triangles import weld
+from ..mesh.welding import weld
 from ..model import BoolArray, FloatArray, IntArray, Shapes, SupportMark, SupportVolume, TriangleMesh
 from ..parallel import geos_in_threads
 from ..records import dataclass

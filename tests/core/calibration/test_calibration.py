@@ -117,6 +117,28 @@ def test_the_surest_reading_of_a_slope_counts(tmp_path):
         read_sweeps(tmp_path / "nothing")
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"angle_deg": np.array([10.0])},
+        {"angle_deg": np.array([0.0, 10.0])},
+        {"block": "psi"},
+        {"tone": TONE[::-1]},
+        {"tone": TONE[:-1]},
+        {"noise": np.zeros((1, 1))},
+        {"slant_deg": np.nan},
+    ],
+)
+def test_readings_that_are_inconsistent_are_refused(tmp_path, wrong):
+    seen = TONE[:, None] / 2
+    sweep, path = Sweep(0.0, "face", np.zeros(1), TONE, seen, np.zeros_like(seen), PROVENANCE), tmp_path / "a.npz"
+    write_sweep(path, sweep)
+    assert np.array_equal(read_sweep(path).reflectance, seen)
+    write_sweep(path, replace(sweep, **wrong))
+    with pytest.raises(CalibrationError, match="holds no readings"):
+        read_sweep(path)
+
+
 def test_table_survives_a_file(tmp_path):
     path = tmp_path / "table.json"
     made = table(TONE**2, 0.2 + TONE / 2)
