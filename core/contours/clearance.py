@@ -30,7 +30,7 @@ BLOCKS_AT_ONCE = 1 << 13
 Bits = NDArray[np.uint16]
 
 
-def gaps(
+def wall_distances(
     points: FloatArray, step: float, normal: FloatArray, start: IntArray, layer: IntArray, inside: float, outside: float
 ) -> tuple[FloatArray, FloatArray]:
     """Distance to the opposite wall, inwards and outwards: twice the radius of the largest circle that fits there.
@@ -54,13 +54,8 @@ def gaps(
     # No point of a block is farther away from its middle than this.
     spread = step * (BLOCK - BLOCK // 2)
     blocks, cell = start // BLOCK, max(inside, outside) / 2 + spread
-    held, block_layer = np.empty(blocks[-1], dtype=np.uint16), np.repeat(layer, np.diff(blocks))
-    found = []
-    for first, last in runs_of_layers(layer, blocks, BLOCKS_AT_ONCE):
-        part, own = slice(start[first], start[last]), slice(blocks[first], blocks[last])
-        held[own] = _directions(normal[:, part])
-        found.append(own.start + _faced(points[:, part][:, BLOCK // 2 :: BLOCK], block_layer[own], held[own], cell))
-    faced = np.concatenate([np.zeros(0, dtype=np.int64), *found])
+    block_layer = np.repeat(layer, np.diff(blocks))
+    held, faced = _facing_blocks(points, normal, start, layer, cell)
     faced_before = np.searchsorted(faced, blocks)
     for first, last in runs_of_layers(layer, faced_before, BLOCKS_AT_ONCE):
         some = faced[faced_before[first] : faced_before[last]] - blocks[first]
@@ -78,6 +73,28 @@ def gaps(
     if outside:
         _ease(clearance, start, outside)
     return thickness, clearance
+
+
+def _facing_blocks(
+    points: FloatArray, normal: FloatArray, start: IntArray, layer: IntArray, cell: float
+) -> tuple[Bits, IntArray]:
+    """(B,) directions of the normals of each block, and (F,) the blocks that face another one.
+
+    Args:
+        points: (2, N) mm, in blocks.
+        normal: (2, N)
+        start: (M + 1,) offsets of the loops.
+        layer: (M,) of each loop.
+        cell: mm, see `_faced`.
+    """
+    blocks = start // BLOCK
+    held, faced = np.empty(blocks[-1], dtype=np.uint16), [np.zeros(0, dtype=np.int64)]
+    for first, last in runs_of_layers(layer, blocks, BLOCKS_AT_ONCE):
+        part, own = slice(start[first], start[last]), slice(blocks[first], blocks[last])
+        held[own] = _directions(normal[:, part])
+        own_layer = np.repeat(layer[first:last], np.diff(blocks[first : last + 1]))
+        faced.append(own.start + _faced(points[:, part][:, BLOCK // 2 :: BLOCK], own_layer, held[own], cell))
+    return held, np.concatenate(faced)
 
 
 def _near(

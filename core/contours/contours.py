@@ -18,7 +18,7 @@ from ..settings import PrintSettings
 from ..slicing.outlines import Outlines
 from ..slicing.planes import elephant_foot, line_widths
 from .along_loops import around, dot, filtered, gaussian, steps
-from .clearance import BLOCK, gaps
+from .clearance import BLOCK, wall_distances
 from .inset import bend_room, inset
 from .resample import EvenPoints, even_points, resampled
 
@@ -144,7 +144,7 @@ def contours(
     # Farther than the widest lines reach, so that what is thicker is seen to be.
     most_inside = 2 * (greatest + max(reach.inwards, (2 * MOST_WIDTH - 2) * greatest))
     most_outside = 2 * (reach.outwards + NARROW_GAP) if reach.outwards else 0.0
-    thickness, clearance = gaps(points, spacing, normal, start, layer, most_inside, most_outside)
+    thickness, clearance = wall_distances(points, spacing, normal, start, layer, most_inside, most_outside)
     step, width, room_inside = np.empty((3, len(face)))
     room_outside = np.zeros(len(face))
     for run in runs:
@@ -220,7 +220,7 @@ def _inset(
     kernel: FloatArray,
     reach: Reach,
 ) -> None:
-    """Move the filtered outlines of a few layers inwards; other layers do not matter.
+    """Move the filtered outlines of a few layers inwards.
 
     Args:
         out: (2, n) mm, the outlines, which are moved; and what is written, (n,) mm each: the step to the next point,
@@ -228,8 +228,7 @@ def _inset(
         normal: (2, n) unit vectors out of the material.
         start: (m + 1,) offsets of the loops.
         widest: (n,) mm, of the lines.
-        squash: (n,) mm, by which they move inwards in addition, as far as the material is thick enough for
-            that; None is nowhere.
+        squash: (n,) mm, by which they move inwards besides, where the material is thick enough; None is nowhere.
         half: (n,) mm, half of the material's thickness.
         half_gap: (n,) mm, half of the air's.
         kernel: low-pass.
