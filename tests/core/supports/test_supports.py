@@ -15,6 +15,7 @@ from dualcolor.core.pipeline import generate
 from dualcolor.core.settings import PrintSettings
 from dualcolor.core.slicing.slices import slices
 from dualcolor.core.supports import grid_overlay
+from dualcolor.core.supports.columns import standing_on_bed
 from dualcolor.core.supports.supports import supports
 from dualcolor.core.toolpaths.loops import FirstIsland
 from dualcolor.core.toolpaths.order import ordered
@@ -193,6 +194,15 @@ def test_air_above_and_below_is_the_distance_in_layers(distance, gap):
     point = shapely.Point(2, 0)
     inside = [layer for layer in range(len(made.covered)) if made.covered[layer].covers(point)]
     assert inside == list(range(16 + gap, 48 - gap))
+
+
+def test_what_stands_on_the_bed_goes_on_as_far_as_it_is_carried():
+    first, second = shapely.box(0, 0, 4, 4), shapely.box(0, 0, 6, 4)
+    bridge = shapely.box(0, 0, 12, 4)  # over the second column, which begins on a layer above the bed
+    found = np.array([first, shapely.union(second, shapely.box(8, 0, 12, 4)), bridge, shapely.box(8, 0, 12, 4)])
+    standing = standing_on_bed(found)
+    assert shapely.area(standing).tolist() == pytest.approx([16, 16, 16, 0], abs=0.01)
+    assert shapely.covers(shapely.buffer(first, 0.01), standing[:3]).all()
 
 
 def test_the_first_layer_is_dense(table):
