@@ -5,7 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from dualcolor.bridge.input.image_input import image_tone  # noqa: E402
+from dualcolor.bridge.input.image_input import _as_rgba, image_tone  # noqa: E402
 from dualcolor.bridge.paint.ambient_occlusion import darkened  # noqa: E402
 from dualcolor.core.errors import TextureError  # noqa: E402
 from dualcolor.core.texture.decode import linear_from_srgb  # noqa: E402
@@ -74,3 +74,11 @@ def test_what_is_darkened_was_as_bright_as_it_is_printed(space):
     np.testing.assert_allclose(after, before / 2, atol=4e-3)
     expected = float(linear_from_srgb(np.array(0.6))) if space.endswith("sRGB") else 0.6
     np.testing.assert_allclose(before, expected, atol=4e-3)
+
+
+@pytest.mark.parametrize("channels", [1, 2, 3, 4])
+def test_pictures_of_any_number_of_channels(channels):
+    pixels = np.random.default_rng(channels).random((3, 4, channels), dtype=np.float32)
+    found = _as_rgba(pixels)
+    np.testing.assert_array_equal(found[..., :3], pixels[..., :3] if channels > 2 else np.repeat(pixels[..., :1], 3, 2))
+    np.testing.assert_array_equal(found[..., 3], pixels[..., -1] if channels % 2 == 0 else 1)

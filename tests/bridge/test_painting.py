@@ -50,6 +50,14 @@ def test_auto_contrast_fills_the_range_and_ignores_what_is_not_painted():
     assert gray[1:, :10].min() == 1.0 and gray[1:, 10:].max() == 0.0
 
 
+def test_colors_that_are_multiplied_by_alpha_are_graded_like_others():
+    random = np.random.default_rng(2)
+    colors, alpha = random.random((6, 7, 3)), random.uniform(0.05, 1, (6, 7))
+    whole, of_alpha = (graded(rgba(part, alpha), Grade(), premultiplied=multiplied)
+                       for part, multiplied in ((colors, False), (colors * alpha[..., None], True)))  # fmt: skip
+    np.testing.assert_allclose(of_alpha, whole, atol=1e-5)
+
+
 def test_a_grade_that_makes_no_sense_is_said():
     pixels = rgba(np.full((2, 2, 3), 0.3))
     with pytest.raises(TextureError, match="black level"):

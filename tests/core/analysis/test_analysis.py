@@ -1,5 +1,7 @@
 """The analysis on shapes whose seams and tracelines are known, and its pictures."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dualcolor.core.analysis.analysis import NO_SEAMS, analyze, faded_share
@@ -214,3 +216,7 @@ def test_pictures_show_seams_and_births(funnel):
         near = np.abs(picture[:-60].astype(float) - 255 * np.array(color)).max(axis=2) < 20
         assert near.sum() > 5
     assert np.array_equal(seams, heatmap(funnel, (0.0, 8.0), 300))
+    straight = replace(funnel, errors=None, traced=None)
+    for picture in (heatmap, traceline_picture):
+        with pytest.raises(PrintError, match="no waves"):
+            picture(straight, (0.0, 8.0), 300)

@@ -1,9 +1,11 @@
 """How cuts of faces become outlines: linked, put into cycles, wound, united, known again."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+import shapely
 from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.ragged import starts
 from dualcolor.core.settings import PrintSettings
@@ -148,3 +150,17 @@ def test_segments_are_known_again_either_way_round_but_not_among_equal_ones():
     )
     new_tails, new_heads = np.array([[-0.0, 0], [1, 1], [0.5, 0], [6, 5]]), np.array([[1.0, 0], [1, 0], [1, 0], [5, 5]])
     assert equal_segments(new_tails, new_heads, tails, heads).tolist() == [0, 1, -1, -1]
+
+
+def test_what_united_loops_carry_is_interpolated_on_every_piece():
+    """Far from the origin and askew; each corner carries where it is, and so does each end of the new segments."""
+    square = np.array([[0.0, 0], [6, 1], [5, 7], [-1, 6]])
+    squares = square + np.array([[[30, 12]], [[33, 14]], [[30, 18]]])
+    tails = squares.reshape(-1, 2)
+    corners = Outlines(tails, starts(np.full(3, 4)), np.zeros(3, dtype=np.int64), np.arange(12), np.zeros((12, 2, 2)))
+    loops = replace(corners, carried=np.stack([tails, corners.ends], axis=1))
+    whole = united(loops)
+    assert whole.carried[:, 0] == pytest.approx(whole.points) and whole.carried[:, 1] == pytest.approx(whole.ends)
+    assert whole.signed_area.sum() == pytest.approx(shapely.union_all(shapely.polygons(squares)).area)
+    side, along = loops.ends[whole.face] - loops.points[whole.face], whole.ends - whole.points
+    assert side[:, 0] * along[:, 1] == pytest.approx(side[:, 1] * along[:, 0])  # a piece of the side that it names

@@ -53,3 +53,23 @@ def test_every_line_is_printed_once_and_as_wide_as_it_was(lines, seam_position):
     walls = np.isin(order.feature, FEATURES[:2])
     group = order.layer * 2 + order.island
     assert not (walls[1:] & ~walls[:-1] & (np.diff(group) == 0)).any()
+
+
+@pytest.mark.parametrize("lines", [20, 200])
+def test_the_nearest_end_of_all_lines_that_are_left_comes_next(lines):
+    rng = np.random.default_rng(lines)
+    ends = rng.uniform(-50, 50, (lines, 2, 2))
+    paths = Paths(
+        points=ends.reshape(-1, 2),
+        start=np.arange(0, 2 * lines + 1, 2),
+        layer=np.zeros(lines, dtype=np.int64),
+        feature=np.full(lines, int(Feature.INFILL)),
+        island=np.zeros(lines, dtype=np.int64),
+        closed=np.zeros(lines, dtype=bool),
+        width=np.full(2 * lines, 0.4),
+    )
+    printed = ordered(paths, PrintSettings()).points.reshape(-1, 2, 2)
+    for number in range(1, lines):
+        left = printed[number:].reshape(-1, 2) - printed[number - 1, 1]
+        assert np.argmin(np.hypot(*left.T)) == 0
+    assert {frozenset(map(tuple, line)) for line in printed} == {frozenset(map(tuple, line)) for line in ends}
