@@ -53,9 +53,9 @@ def test_each_pixel_has_the_texel_that_its_middle_lies_in():
 def test_the_period_is_four_layers_and_the_mean_wave_of_the_lines_that_have_some():
     around = np.exp(2j * np.pi * np.arange(48) / 48)
     base = np.concatenate([5 * around, 9 * around])
-    phase = np.concatenate([np.tile([1.0, 0.0, -1.0, 0.0], 12), np.zeros(48)])  # the second line has no waves
-    lines = SimpleNamespace(base=np.stack([base.real, base.imag], axis=1), start=np.array([0, 48, 96]), phase=phase)
+    wave = np.concatenate([np.tile([1.0, 0.0, -1.0, 0.0], 12), np.zeros(48)])  # the second line has no waves
+    lines = SimpleNamespace(base=np.stack([base.real, base.imag], axis=1), start=np.array([0, 48, 96]), wave=wave)
     length = 48 * 2 * 5 * np.sin(np.pi / 48)
     assert pattern_period(lines, SETTINGS) == pytest.approx((4 * SETTINGS.layer_height, length / 12))
-    lines.phase = np.zeros(96)
+    lines.wave = np.zeros(96)
     assert pattern_period(lines, SETTINGS)[1] == SETTINGS.wavelength

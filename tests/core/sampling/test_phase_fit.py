@@ -18,7 +18,7 @@ USUAL = SETTINGS.wavelength * np.sqrt(2)
 def roughly(model, stray):
     """The grid of a model, and a phase that rises evenly around each contour but for random numbers."""
     lines = lines_of(model, SETTINGS)
-    grid = phase_grid(lines, Projector(lines, SETTINGS.projection_threshold), SETTINGS)
+    grid = phase_grid(Projector(lines, SETTINGS.projection_threshold), SETTINGS.wavelength)
     turns = np.rint(lines.length / USUAL).astype(np.int64)
     along = (grid.arc - lines.arc_start[grid.loop]) / lines.length[grid.loop] * turns[grid.loop]
     return grid, Phase(along + np.random.default_rng(3).uniform(-stray, stray, len(along)), turns)
@@ -34,7 +34,7 @@ def test_on_a_cylinder_nothing_slides_and_waves_are_even():
     grid, rough = roughly(joined(cylinder(9, 1.5, 240), cylinder(4, 1.5, 120, x=20)), 0.1)
     assert np.abs(slides(grid, rough)).max() > 0.1
     for plain in (6, 0):
-        fitted = PhaseFit(grid, rough, np.ones(len(grid.arc)), SETTINGS).solved(FitEffort(6, plain, 200))
+        fitted = PhaseFit(grid, rough, np.ones(len(grid.arc)), SETTINGS.wavelength).solved(FitEffort(6, plain, 200))
         assert np.abs(slides(grid, fitted)).max() < 1e-3
         around = np.bincount(grid.loop, grid.length)[grid.loop]
         even = fitted.turns[grid.loop] * grid.length / around
@@ -48,7 +48,7 @@ def test_a_round_solves_its_least_squares_problem(stray, monkeypatch):
     grid, rough = roughly(lathe([[4, 0], [6, 1], [5.4, 1.6]], sides=90), stray)
     size = len(grid.arc)
     weight = np.random.default_rng(5).uniform(0.2, 1, size)
-    fit = PhaseFit(grid, rough, weight, SETTINGS)
+    fit = PhaseFit(grid, rough, weight, SETTINGS.wavelength)
     one, waves = np.eye(size), rough.waves(grid)
     link = one[grid.low] * (1 - grid.share)[:, None] + one[grid.ahead[grid.low]] * grid.share[:, None] - one
     edge = one[grid.ahead] - one
