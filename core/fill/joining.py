@@ -75,6 +75,7 @@ def joined(
 
 
 def _links(cut: Crossings, along: Arcs, found: Spans, keep: BoolArray, limits: LinkLimits) -> _Links:
+    """All links that the limits allow between kept spans (S,) of neighboring lines."""
     span_of = np.full(len(cut.x), -1, dtype=np.int64)
     span_of[found.left[keep]] = span_of[found.right[keep]] = np.flatnonzero(keep)
     at_right = np.zeros(len(cut.x), dtype=bool)

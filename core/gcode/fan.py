@@ -41,6 +41,7 @@ def fan_commands(moves: Moves, settings: PrintSettings) -> RowCommands:
 
 
 def _blow(percent: float, printer: PrinterProfile) -> list[str]:
+    """The line that sets the fan's speed, or switches it."""
     if printer.marlin:
         return [f"M106 S{percent * 2.55:.0f}"]
     return ["M126 T0" if percent else "M127 T0"]

@@ -132,6 +132,7 @@ def _heating(moves: Moves, settings: PrintSettings) -> RowCommands:
 
 
 def _check(moves: Moves) -> None:
+    """Raise ValueError where the file cannot hold the moves, see `untimed_program`."""
     if not len(moves.tool):
         raise ValueError("there are no moves to write")
     # What is not a number is neither the least nor the greatest, but in place of both.
@@ -143,6 +144,7 @@ def _check(moves: Moves) -> None:
 
 
 def _start(moves: Moves, extrudes: BoolArray, settings: PrintSettings) -> StartSequence:
+    """The start sequence, for the tools that the print uses; `extrudes` (M,) as of its moves."""
     first = int(moves.tool[0])
     hot = starting_temperatures(settings, moves.tool, moves.layer)
     hot[first] = hot.pop(first)  # it is primed last

@@ -174,6 +174,7 @@ def _widths(words: Words, usual: float) -> FloatArray:
 
 
 def _feature_of(text: str) -> int:
+    """The `Feature` that a comment in small letters names, else `UNKNOWN`."""
     if text in _NAMES:
         return int(_NAMES[text])
     if "=" in text or len(text) > 60:

@@ -129,6 +129,7 @@ def _prime_amount(settings: PrintSettings, tool: int) -> float:
 
 
 def _prime_lines(settings: PrintSettings, tool: int, fed: float, retracted: float, y: float) -> list[str]:
+    """One priming line at Y = `y`: `fed` mm of filament, of which `retracted` mm are pulled back at its end."""
     printer = settings.printer_profile
     axis, travel, lift = printer.tool_axes[tool], f"F{printer.travel_mm_min}", f"F{printer.lift_mm_min}"
     (middle_x, middle_y), before = (printer.marlin.origin, 0.0) if printer.marlin else ((0.0, 0.0), fed)

@@ -112,6 +112,7 @@ def _parsed(chunk: bytes, first_line: int) -> tuple[IntArray, NDArray[np.uint8],
 
 
 def _numbers(text: bytes, count: int, at: IntArray, first_line: int) -> FloatArray:
+    """(K,) the numbers after letters at `at` (K,) in the text; raises PrintError where one is none."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # for text that is not a number; the count shows it
         try:
@@ -128,6 +129,7 @@ def _numbers(text: bytes, count: int, at: IntArray, first_line: int) -> FloatArr
 
 
 def _damaged(text: bytes, place: int, first_line: int) -> PrintError:
+    """The error that quotes the line around a place in the text."""
     line = first_line + text.count(b"\n", 0, place) - 1
     shown = text[text.rfind(b"\n", 0, place) + 1 :].split(b"\n", 1)[0][:40]
     plain = "".join(sign if sign.isprintable() else "?" for sign in shown.decode("ascii", "replace"))
@@ -135,6 +137,7 @@ def _damaged(text: bytes, place: int, first_line: int) -> PrintError:
 
 
 def _comments(chunk: bytes, first_line: int) -> list[tuple[int, str]]:
+    """Line and text of each comment in a piece of the file."""
     found = list(_COMMENT.finditer(chunk))
     if not found:
         return []

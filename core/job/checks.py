@@ -89,6 +89,7 @@ def check_reach(moves: Moves, printer: PrinterProfile) -> None:
 
 
 def _out_of_reach(moves: Moves, low: FloatArray, high: FloatArray, least: FloatArray, most: FloatArray) -> MeshError:
+    """The error that says what leaves the reach: all, or something around the object; `low`, `high` bound strands."""
     outside: BoolArray = ((moves.position < least) | (moves.position > most)).any(axis=1) & moves.extrudes
     features = {Feature(feature) for feature in np.unique(moves.feature[outside])}
     surplus = [feature for feature in _HINTS if feature in features]

@@ -79,6 +79,7 @@ def _painted_tiles(former: ToneImage, picture: ToneImage) -> tuple[BoolArray, fl
 
 
 def _tile_texels(picture: ToneImage) -> int:
+    """The side of a picture's tiles, texels."""
     return max(*(side // _TILES for side in picture.tone.shape), 1)
 
 

@@ -184,6 +184,7 @@ class _Watched(PrintSettings):
 
 
 def _watched(settings: PrintSettings, notes: dict[str, Any]) -> PrintSettings:
+    """A copy of the settings that puts into `notes` what is read of it."""
     copy = object.__new__(_Watched)
     vars(copy).update(vars(settings))
     vars(copy).update({_NOTES: notes, _ORIGINAL: settings})
@@ -191,6 +192,7 @@ def _watched(settings: PrintSettings, notes: dict[str, Any]) -> PrintSettings:
 
 
 def _is_read_alike(held: _Held, settings: PrintSettings | None) -> bool:
+    """Whether the settings that a held result has read are what they were."""
     return all(getattr(settings, name, None) == value for name, value in held.read.items())
 
 

@@ -200,6 +200,7 @@ def _tone(
 
 
 def _averaged(tone: FloatArray, lines: Contours, settings: PrintSettings) -> FloatArray:
+    """(N,) tones averaged along the wall, as far as the pattern cannot show more."""
     if settings.pattern == "offset" or settings.texture_filter == "lanczos":
         return tone
     # The look-up has averaged over a layer pair in all directions; a wave cannot show more than one tone along it, but

@@ -84,6 +84,7 @@ _TRUTH = {"true": True, "1": True, "yes": True, "on": True, "false": False, "0":
 
 
 def _converted(kind: type, value: Any) -> Any:
+    """The value as a str, bool, float or int; raises TypeError, ValueError or OverflowError where it is none."""
     if kind is str:
         if not isinstance(value, str):
             raise TypeError

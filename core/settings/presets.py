@@ -155,11 +155,13 @@ def settings_json(settings: PrintSettings) -> str:
 
 
 def _alike(value: Any, other: Any) -> bool:
+    """Whether two values are equal, numbers up to single precision."""
     numbers = [isinstance(each, (int, float)) and not isinstance(each, bool) for each in (value, other)]
     return math.isclose(value, other, rel_tol=1e-6) if all(numbers) else bool(value == other)
 
 
 def _object(path: Path) -> dict[str, Any]:
+    """The JSON object in a file; raises SettingsError."""
     try:
         if path.stat().st_size > MOST_JSON_BYTES:
             raise SettingsError(f"{path} is too large for a file of settings", "give the JSON file of the settings")
@@ -189,6 +191,7 @@ def _header_values(path: Path) -> dict[str, Any]:
 
 
 def _start_of(path: Path) -> bytes:
+    """The beginning of a file, as much as a header may take; raises SettingsError."""
     try:
         with path.open("rb") as file:
             return without_mark(file.read(MOST_JSON_BYTES + 1))

@@ -129,6 +129,7 @@ def _tubes(parts: Shapes, layer: IntArray, settings: PrintSettings) -> BoolArray
 
 
 def _hatched(areas: Areas, shapes: Shapes, owner: IntArray, width: float) -> Paths:
+    """Parallel lines in shapes (H,), joined along their edges; `owner` (H,) is the row of each in the areas."""
     everywhere = np.ones(len(shapes))
     angle, spacing = areas.angle_deg * everywhere, areas.spacing_mm * everywhere
     cut = crossings(shapes, angle, spacing)
@@ -141,6 +142,7 @@ def _hatched(areas: Areas, shapes: Shapes, owner: IntArray, width: float) -> Pat
 
 
 def _loops(areas: Areas, parts: Shapes, owner: IntArray, width: float) -> Paths:
+    """One loop along the outer boundary of each of parts (P,)."""
     points, start = ring_points(shapely.get_exterior_ring(parts))
     return _paths(areas, points, start, areas.layer[owner], closed=True, width=width)
 

@@ -56,6 +56,7 @@ def marks(mesh: TriangleMesh, planes: FloatArray) -> Marks | None:
 
 
 def _united(areas: list[Shapes], count: int) -> Shapes:
+    """(L,) several areas of each layer in one."""
     whole = nothing(count) if not areas else areas[0]
     for more in areas[1:]:
         whole = shapely.union(whole, more)

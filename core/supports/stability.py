@@ -102,14 +102,17 @@ def _united(pieces: Shapes, layer: IntArray, count: int) -> Shapes:
 
 
 def _grown(shapes: Shapes, by_mm: float) -> tuple[Shapes]:
+    """(P,) shapes grown by a distance."""
     return (simplified(shapely.buffer(shapes, by_mm, quad_segs=_ARC_SEGMENTS), SIMPLIFY_MM),)
 
 
 def _clipped(shapes: Shapes, taken: Shapes) -> tuple[Shapes]:
+    """(P,) shapes less what is taken (P,), without what is then too narrow for a line."""
     # Edges that were moved run along no others, so that this needs no grid.
     return _opened(areas(shapely.difference(shapes, taken)))
 
 
 def _opened(shapes: Shapes) -> tuple[Shapes]:
+    """(P,) shapes without what is too narrow for a line."""
     core = offset(shapes, -_HALF_LEAST_WIDTH_MM)
     return (simplified(shapely.buffer(core, _HALF_LEAST_WIDTH_MM, quad_segs=_ARC_SEGMENTS), SIMPLIFY_MM),)

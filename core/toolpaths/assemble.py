@@ -45,9 +45,9 @@ def assemble(
     speed = extrusion_speeds(paths, height, length, settings)
     short = short_layers(paths, length, speed, settings)
     approach = approaches(paths, tool, length, ways, settings)
-    table, first_row = _extrusions(
-        paths, tool, (layers.top[paths.layer], height), approach.rows, length, speed, settings
-    )
+    filament = _filament(paths, tool, height, length, settings)
+    top = layers.top[paths.layer]
+    table, first_row = _extrusions(paths, approach.rows, tool, top, height, speed, filament, settings)
     fill_approaches(table, paths, layers, first_row, approach, length, settings)
     slow_short_layers(table, short, settings)
     return table
@@ -55,23 +55,25 @@ def assemble(
 
 def _extrusions(
     paths: OrderedPaths,
-    tool: IntArray,
-    upright: tuple[FloatArray, FloatArray],
     approach: IntArray,
-    length: FloatArray,
+    tool: IntArray,
+    top: FloatArray,
+    height: FloatArray,
     speed: FloatArray,
+    filament: FloatArray,
     settings: PrintSettings,
 ) -> tuple[Moves, IntArray]:
     """The table with all extruding rows filled in, and (K,) the row at which each path's approach begins.
 
     Args:
         paths: K, in printing order.
-        tool: (K,) that prints each.
-        upright: (K,) mm, where the nozzle prints each, and how high its lines are.
         approach: (K,) rows before each path's first extrusion; here they are travels to its first point.
-        length: (N,) mm, from each point to the next.
+        tool: (K,) that prints each.
+        top: (K,) mm, Z at which the nozzle prints each.
+        height: (K,) mm, of its lines.
         speed: (N,) mm/s, of the line that leaves each point.
-        settings: of the print.
+        filament: (N,) mm that this line takes.
+        settings: `travel_speed` is used.
     """
     rows = approach + np.diff(paths.start) - 1  # a path of n points has n - 1 extruding moves after its approach
     first_row = starts(rows)
@@ -79,11 +81,16 @@ def _extrusions(
     point = _arriving_at(paths, approach, first_row, before)
     table = Moves.blank(len(point))
     table.position[:, :2] = paths.points.take(point, axis=0)
-    table.position[:, 2], table.height[:] = (np.repeat(z, rows) for z in upright)
-    for number, of_path in ((table.tool, tool), (table.feature, paths.feature), (table.layer, paths.layer)):
-        number[:] = np.repeat(of_path, rows)
+    of_paths = (
+        (table.position[:, 2], top),
+        (table.height, height),
+        (table.tool, tool),
+        (table.feature, paths.feature),
+        (table.layer, paths.layer),
+    )
+    for column, of_path in of_paths:
+        column[:] = np.repeat(of_path, rows)
     point -= 1  # the point that the line leaves
-    filament = _filament(paths, tool, upright[1], length, settings)
     for column, of_point in ((table.width, paths.width), (table.speed, speed), (table.filament, filament)):
         column[:] = of_point.take(point)
     table.feature[before], table.speed[before] = int(Feature.TRAVEL), settings.travel_speed
@@ -95,7 +102,7 @@ def _extrusions(
 def _filament(
     paths: OrderedPaths, tool: IntArray, height: FloatArray, length: FloatArray, settings: PrintSettings
 ) -> FloatArray:
-    """(N,) mm of filament that the line takes that leaves each point; arguments as in `_extrusions`."""
+    """(N,) mm of filament that the line of `length` (N,) takes that leaves each point; the rest as in `_extrusions`."""
     factor = np.array(settings.extrusion_multipliers) / settings.filament_sections
     filament = length * paths.width
     filament *= np.repeat(height * factor[tool], np.diff(paths.start))

@@ -134,6 +134,7 @@ class _Walk:
             self._print_island(waiting.pop(nearest))
 
     def _print_island(self, runs: list[list[int]]) -> None:
+        """Print runs of paths one after the other, each run nearest first."""
         for run in runs:
             if len(run) == 1:
                 path = run[0]
@@ -167,6 +168,7 @@ class _Walk:
             begin[chosen] = end[chosen] = np.inf
 
     def _print(self, path: int, turn: bool) -> None:
+        """Go on over a path; with `turn` from its end to its beginning."""
         self.sequence.append(path)
         if self._loops is not None and self._seamed[path]:
             loop = _complex(self._loops.points[self._loops.start[path] : self._loops.start[path + 1]])
@@ -180,6 +182,7 @@ class _Walk:
 
 
 def _ranks(settings: PrintSettings) -> IntArray:
+    """By `Feature`, the place in the printing order of an island; 0 for all that has an island of its own."""
     rank = np.zeros(len(Feature), dtype=np.int64)
     walls = [Feature.OUTER_WALL, Feature.INNER_WALL]
     walls = walls if settings.outer_wall_first else walls[::-1]
@@ -190,10 +193,12 @@ def _ranks(settings: PrintSettings) -> IntArray:
 
 
 def _complex(points: FloatArray) -> NDArray[np.complex128]:
+    """(N,) x + iy of points (N, 2)."""
     return np.asarray(points[:, 0] + 1j * points[:, 1])
 
 
 def _laid_out(paths: Paths, sequence: IntArray, offset: IntArray, flipped: BoolArray) -> OrderedPaths:
+    """Paths in a sequence (K,): closed ones from the point `offset` (K,) on, those `flipped` (K,) from their end."""
     first, count, offset = paths.start[sequence], np.diff(paths.start)[sequence], offset[sequence]
     printed = count + paths.closed[sequence]
     start = starts(printed)

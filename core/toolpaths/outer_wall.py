@@ -175,5 +175,6 @@ def _rings(points: FloatArray, start: IntArray, loops: IntArray, tolerance: floa
 
 
 def _signed_area(points: FloatArray, start: IntArray) -> FloatArray:
+    """(M,) mm², of closed loops; below 0 where they run clockwise."""
     x, y = points.T
     return sums(x * ahead(y, start) - y * ahead(x, start), start) / 2

@@ -77,6 +77,7 @@ def _manual(footprint: FloatArray, obstacles: shapely.Geometry, settings: PrintS
 
 
 def _hull(points: FloatArray) -> FloatArray:
+    """(H, 2) corners of the convex hull of points (N, 2)."""
     return np.asarray(shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(points)))[:-1])
 
 
@@ -89,6 +90,7 @@ def _target(obstacles: shapely.Geometry) -> FloatArray:
 
 
 def _reach(printer: PrinterProfile) -> tuple[FloatArray, FloatArray]:
+    """(2,) mm each, the least and the greatest X and Y that both nozzles reach."""
     return np.array(printer.reach_min[:2]), np.array(printer.reach_max[:2])
 
 
@@ -105,6 +107,7 @@ def _nearest_free(
     distance: float,
     printer: PrinterProfile,
 ) -> FloatArray | None:
+    """The place (2,) of places (P, 2) with the least `_cost` where the hull (H, 2) has room; None if there is none."""
     places = places[_inside(hull, places, printer)]
     # Where the middle stands so near that no turn would help, the hull need not be looked at.
     rough = shapely.simplify(obstacles, _ROUGH_MM)
@@ -126,12 +129,14 @@ def _half_width(hull: FloatArray) -> float:
 
 
 def _inside(hull: FloatArray, places: FloatArray, printer: PrinterProfile) -> BoolArray:
+    """(P,) bool, places where the hull lies within the reach of both nozzles."""
     low, high = _reach(printer)
     inside = (places + hull.min(axis=0) >= low) & (places + hull.max(axis=0) <= high)
     return np.asarray(inside[:, 0] & inside[:, 1])
 
 
 def _free(hull: FloatArray, places: FloatArray, obstacles: shapely.Geometry, distance: float) -> BoolArray:
+    """(P,) bool, places where the hull keeps its distance from the obstacles."""
     if not len(places):
         return np.zeros(0, dtype=bool)
     return ~np.asarray(shapely.dwithin(obstacles, shapely.polygons(places[:, None] + hull), distance))

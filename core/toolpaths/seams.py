@@ -96,6 +96,7 @@ def _depths(points: FloatArray, start: IntArray, reach: float) -> FloatArray:
 
 
 def _distance_to(points: FloatArray, seams: FloatArray) -> FloatArray:
+    """(N,) mm², to the nearest of the seams below (S, 2); without any, less the farther a point lies to the rear."""
     if len(seams) == 0:
         return -_rearwards(points)
     away = points[:, None] - seams[None]

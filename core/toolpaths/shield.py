@@ -42,6 +42,7 @@ def shield_paths(shadow: shapely.Geometry, layers: int, settings: PrintSettings)
 
 
 def _walls(shadow: shapely.Geometry, settings: PrintSettings) -> shapely.Geometry:
+    """What the center lines of the shield enclose."""
     distance = settings.ooze_shield_distance + settings.extrusion_width / 2
     # Narrow bays are left out: a plain wall prints faster, and nothing in them could drip beyond it.
     grown = shapely.buffer(shapely.buffer(shadow, distance + _SMOOTH_MM, quad_segs=6), -_SMOOTH_MM, quad_segs=6)

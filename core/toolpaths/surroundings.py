@@ -87,6 +87,7 @@ def ground(shade: shapely.Geometry, region: shapely.Geometry, walls: Paths, sett
 
 
 def _closed_lines(paths: Paths, chosen: IntArray) -> Shapes:
+    """(C,) LineStrings along chosen paths (C,), back to the first point of closed ones."""
     points = [paths.points[paths.start[path] : paths.start[path + 1]] for path in chosen]
     ends = [line[: int(closed)] for line, closed in zip(points, paths.closed[chosen], strict=True)]
     return np.array(

@@ -66,6 +66,7 @@ def audit(commands: Commands, printer: PrinterProfile, tower: FloatArray | None 
 
 
 def _motion(commands: Commands, printer: PrinterProfile) -> _Motion:
+    """What the commands move, in mm."""
     way = commands.way
     per_mm = np.array(printer.steps_per_mm)
     level = way[:, :3] / per_mm[:3]
@@ -150,6 +151,7 @@ def _numbers(commands: Commands, motion: _Motion, printer: PrinterProfile) -> li
 
 
 def _outside(commands: Commands, motion: _Motion, printer: PrinterProfile) -> list[str]:
+    """Strands stay where both nozzles reach, moves within the printer."""
     low = np.array([printer.reach_min[0], min(printer.prime_y), 0.0]) - _TOLERANCE_MM
     high = np.array(printer.reach_max) + _TOLERANCE_MM
     # A strand has two ends; the first one is where the command before left the nozzle.
@@ -166,6 +168,7 @@ def _outside(commands: Commands, motion: _Motion, printer: PrinterProfile) -> li
 
 
 def _wrong_axis(commands: Commands, motion: _Motion, printer: PrinterProfile) -> list[str]:
+    """Only the active tool's filament moves."""
     findings = []
     step = 1.5 / printer.steps_per_mm[3]  # at a tool change the counters may be rounded by one
     for tool, letter in enumerate(printer.tool_axes):
@@ -175,6 +178,7 @@ def _wrong_axis(commands: Commands, motion: _Motion, printer: PrinterProfile) ->
 
 
 def _temperatures(commands: Commands, motion: _Motion, printer: PrinterProfile) -> list[str]:
+    """Heaters stay within their limits, are hot before they are needed, and off at the end."""
     findings: list[str] = []
     heaters = [(f"tool {tool}", Action.NOZZLE_TEMPERATURE, tool, Command.WAIT_FOR_TOOL) for tool in (0, 1)]
     heaters.append(("the bed", Action.BED_TEMPERATURE, 0, Command.WAIT_FOR_BED))
@@ -216,6 +220,7 @@ def _ready(commands: Commands, rows: IntArray, targets: IntArray, least: float, 
 
 
 def _tool_changes(commands: Commands, motion: _Motion, printer: PrinterProfile, tower: FloatArray | None) -> list[str]:
+    """The move after a tool change feeds nothing, no strand begins pulled back, and each tool begins at the tower."""
     changed = np.zeros(len(commands.code), dtype=bool)
     changed[1:] = (commands.tool[1:] != commands.tool[:-1]) & (commands.tool[:-1] >= 0)
     next_move = _following(np.flatnonzero(changed), motion.row)

@@ -66,6 +66,7 @@ def planned_moves(track: Track, printer: PrinterProfile) -> tuple[NDArray[np.voi
 
 
 def _deltas(track: Track, printer: PrinterProfile) -> _Deltas:
+    """What each row of the track changes."""
     rows = len(track.kind)
     moving = track.kind == Kind.MOVE
     mm, steps = np.zeros((AXES, rows)), np.zeros((AXES, rows))
@@ -123,6 +124,7 @@ def _filament(track: Track, deltas: _Deltas, printer: PrinterProfile) -> tuple[I
 
 
 def _steps(track: Track, row: int, printer: PrinterProfile) -> list[int]:
+    """X, Y, Z, A, B after a row in steps, each rounded by itself."""
     place = [*(track.position[row] / 1000).tolist(), *(-track.counter[row] / 100_000).tolist()]
     return [round(value * printer.steps_per_mm[min(axis, 3)]) for axis, value in enumerate(place)]
 

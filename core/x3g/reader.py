@@ -110,6 +110,7 @@ def _command_offsets(content: ByteArray) -> IntArray:
 
 
 def _size_at(content: ByteArray, here: int, code: int) -> int:
+    """Bytes of the command that begins at a place; raises PrintError where none does."""
     size = int(_SIZE[code])
     if not size:
         raise PrintError(f"the X3G file is damaged: byte {here} is no command ({code})", _HINT)
@@ -137,6 +138,7 @@ def _records(content: ByteArray, offset: IntArray) -> NDArray[np.void]:
 
 
 def _tools(content: ByteArray, offset: IntArray, code: ByteArray) -> IntArray:
+    """(C,) the active tool after each command."""
     changes = np.flatnonzero(code == Command.CHANGE_TOOL)
     chosen = np.concatenate([[-1], content[offset[changes] + 1]]).astype(np.int64)
     if (chosen > 1).any():

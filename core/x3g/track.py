@@ -134,12 +134,14 @@ class _Follower:
         )
 
     def _append(self, position: Whole, counter: IntArray, feedrate: Whole, kind: Kind) -> None:
+        """Add rows of one kind; the last one is where the axes are then."""
         self._parts.append((position, counter, feedrate, kind))
         self._rows += len(feedrate)
         self._place = [*position[-1].tolist(), *counter[-1].tolist()]
         self._feedrate = int(feedrate[-1])
 
     def _append_here(self, kind: Kind) -> None:
+        """Add a row that ends where the axes are."""
         place = np.array([self._place], dtype=np.int64)
         self._append(place[:, :3], place[:, 3:], np.array([self._feedrate], dtype=np.int64), kind)
 
@@ -175,6 +177,7 @@ class _Follower:
         self._insert(commands.temperature(action, int(words["T"]), int(words["S"])))
 
     def _progress(self, words: dict[str, str]) -> None:
+        """Show the progress; the build begins with 0 % and ends with 100 %."""
         percent = int(words["P"])
         if percent == 0:
             self._insert(commands.build_start(self._name))
@@ -185,6 +188,7 @@ class _Follower:
             self._insert(commands.build_end())
 
     def _change_tool(self, words: dict[str, str]) -> None:
+        """Change the tool, unless it is active, and stand there while the carriage shifts."""
         tool = int(words["T"])
         if tool == self._tool:
             return
@@ -194,4 +198,5 @@ class _Follower:
 
 
 def _mask(words: dict[str, str]) -> int:
+    """The bits of the axes that a line names."""
     return sum(1 << axis for axis, letter in enumerate(_LETTERS) if letter in words)
