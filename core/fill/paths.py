@@ -18,6 +18,7 @@ from .gap_fill import gap_paths, gaps_between, margins, narrow_fill
 from .gyroid import gyroid_paths
 from .hatch import crossings, long_enough, rotated, spans
 from .joining import LinkLimits, joined
+from .offsets import offset_outlines
 from .skins import Skins, solid_and_sparse
 from .walls import boundary_paths, wall_paths, walls_and_fill
 
@@ -126,6 +127,8 @@ def _hatched(
     """Bridges, skins and sparse fill."""
     width = line_widths(island_layer, settings)
     spanned, solid, sparse = bridged(over_air, solid, sparse)
+    if not settings.is_hollow and settings.infill_pattern != "concentric":  # whose loops keep off their walls anyway
+        sparse = _beside_walls(sparse, width)
     lines = [hatch_paths(planned(solid, sparse, island_layer, settings), island_layer)]
     if len(spanned.island):
         lines.append(hatch_paths(bridging(spanned, island_layer, settings), island_layer))
@@ -136,6 +139,13 @@ def _hatched(
         loops, island = nested(sparse, settings.extrusion_width * 100.0 / settings.infill_density)
         lines.append(boundary_paths(loops, island, island_layer, width, Feature.INFILL))
     return lines
+
+
+def _beside_walls(sparse: Shapes, width_mm: FloatArray) -> Shapes:
+    """(I,) sparse regions less half a width, where the middles of lines may be: links run beside walls, not on them."""
+    inner, some = sparse.copy(), np.flatnonzero(~shapely.is_empty(sparse))
+    inner[some] = offset_outlines(sparse[some], -0.5 * width_mm[some])
+    return inner
 
 
 def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: PrintSettings) -> Hatching:
@@ -178,8 +188,7 @@ def hatch_paths(hatching: Hatching, island_layer: IntArray) -> Paths:
     """Hatch all regions and join the lines.
 
     The lines of skins end half a width before the boundary, earlier where it slants, and the links to the next line
-    run there; so length times width is the region's area. Sparse lines end on the boundary, to hold on to the
-    wall.
+    run there; so length times width is the region's area. Sparse lines end on the boundary of their region.
     """
     width = hatching.width_mm
     half = 0.5 * float(width.min(initial=np.inf))

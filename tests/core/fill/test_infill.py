@@ -55,6 +55,18 @@ def test_fill_stays_inside_its_region_and_is_joined(pattern):
     assert 12 <= len(lines) < 0.6 * spans or pattern == "concentric"
 
 
+@pytest.mark.parametrize("pattern", ["rectilinear", "grid", "triangles", "gyroid"])
+@pytest.mark.parametrize("overlap", [0.0, 15.0])
+def test_sparse_strands_reach_into_the_wall_by_the_overlap(overlap, pattern):
+    # The strands, not their middles: links that lay on the wall made it bulge.
+    plan = PrintSettings(infill_density=20, infill_pattern=pattern, infill_overlap=overlap, **SPARSE)
+    sliced, islands, layer = stack([square(32)] * 8)
+    paths = fill_paths(sliced, islands, layer, plan)
+    edge = 15 - 1.5 * WIDTH  # of the inner wall, whose middle lies a line within the island
+    reach = np.abs(shapely.get_coordinates(lines_of(paths, Feature.INFILL))).max() + WIDTH / 2 - edge
+    assert reach == pytest.approx(overlap / 100 * WIDTH, abs=0.15 if pattern == "gyroid" else 1e-3)  # of chords
+
+
 @pytest.mark.parametrize("turned", [0.0, 37.0])
 def test_the_gyroid_is_the_implicit_surface(turned):
     density = 15.0
