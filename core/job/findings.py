@@ -50,22 +50,24 @@ def findings(
         seconds: (S,) s that these take.
         settings: as used.
     """
-    mesh, cut = wall.mesh, wall.cut
+    cut = wall.cut
     errors, slopes = wall.beside.errors.result(), paths.slopes.result()
     thin = thin_report(paths.thin.result(), cut)
-    report = _report(model, mesh, cut, moves, settings) | {"gcode": {"bytes": 0, "moves": len(paths.moves.tool)}}
-    plain = single_color_seconds(paths.single_color.result(), moves, seconds, settings)
-    report |= {"time_s": time_report(moves, settings, plain, seconds)}
-    report |= {"filament": filament_report(moves, settings)} | _solid(wall, paths, moves, seconds, settings)
-    report |= {"pattern": errors.shares(len(wall.samples.arc), at_arcs(wall.visibility, wall.lines, errors.arc))}
     hanging = hanging_report(paths.ordered, raised(cut.layers, settings), settings)
-    report |= {"slopes": slopes, "thin_features": thin, "hanging_walls": hanging}
+    plain = single_color_seconds(paths.single_color.result(), moves, seconds, settings)
+    report = _overview(model, wall.mesh, cut, moves, settings) | {
+        "gcode": {"bytes": 0, "moves": len(paths.moves.tool)},
+        "time_s": time_report(moves, settings, plain, seconds),
+        "filament": filament_report(moves, settings),
+        **_solid(wall, paths, moves, seconds, settings),
+        "pattern": errors.shares(len(wall.samples.arc), at_arcs(wall.visibility, wall.lines, errors.arc)),
+        "slopes": slopes,
+        "thin_features": thin,
+        "hanging_walls": hanging,
+    }
     report["warnings"] = [
         *model.notes,
-        *plate_warnings(model, mesh, cut.overlaps, settings),
-        *_warnings(cut, wall.lines, wall.samples, settings),
-        *size_warnings(mesh, model.name, settings),
-        *footing_warnings(mesh, model.names, cut.regions[0], settings),
+        *_model_warnings(model, wall, settings),
         *line_warnings(settings),
         *thin_warnings(thin, settings),
         *hanging_warnings(hanging, settings),
@@ -73,7 +75,7 @@ def findings(
         *skirt_warnings(paths.beside.around, settings),
         *slope_warnings(slopes),
         *standby_warnings(moves, seconds, settings),
-        *visibility_warnings(mesh, settings),
+        *visibility_warnings(wall.mesh, settings),
         *wall.notes,
     ]
     return report
@@ -89,7 +91,19 @@ def _solid(
     return {"solid_regions": wall.solid["solid_regions"] | swap_cost(moves, seconds, alike, settings)}
 
 
-def _warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSettings) -> list[str]:
+def _model_warnings(model: SurfaceModel, wall: PaintedWall, settings: PrintSettings) -> list[str]:
+    """Where objects lie, how large they are, how they stand, and what became of their outlines."""
+    mesh, cut = wall.mesh, wall.cut
+    return [
+        *plate_warnings(model, mesh, cut.overlaps, settings),
+        *_outline_warnings(cut, wall.lines, wall.samples, settings),
+        *size_warnings(mesh, model.name, settings),
+        *footing_warnings(mesh, model.names, cut.regions[0], settings),
+    ]
+
+
+def _outline_warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSettings) -> list[str]:
+    """What was mended of the outlines, and which of them print without the pattern or with thinner lines."""
     warnings = []
     if cut.united_layers:
         warnings.append(f"outlines that cross were united: in {cut.united_layers} of {len(cut.layers)} layers")
@@ -111,9 +125,10 @@ def _warnings(cut: Slices, lines: Contours, samples: Samples, settings: PrintSet
     return warnings
 
 
-def _report(
+def _overview(
     model: SurfaceModel, mesh: TriangleMesh, cut: Slices, moves: Moves, settings: PrintSettings
 ) -> dict[str, Any]:
+    """What was printed, with which settings."""
     return {
         "name": model.name,
         "objects": object_rows(model, mesh),

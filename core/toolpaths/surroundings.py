@@ -53,19 +53,29 @@ def shadow(lines: FloatArray, columns: Shapes, settings: PrintSettings) -> shape
         return shapely.MultiPolygon()
     low, high = bounds(points)
     square = max(step, float((high - low).max()) / _MOST_SQUARES)
-    across, up = (((axis - least) / square).astype(np.int32) for axis, least in zip(points.T, low, strict=True))
+    # A line lies half its width inside, leaves the squares by half of one between two points, and is simplified.
+    margin = (settings.extrusion_width + 2 * settings.wave_crest + 3 * square) / 2
+    grown = shapely.buffer(_squares(points, low, square), margin, quad_segs=2)
+    return shapely.union_all(shapely.polygons(exterior_rings(np.array([grown]))))
+
+
+def _squares(points: FloatArray, low: FloatArray, side: float) -> shapely.Geometry:
+    """The squares of a grid that hold points, and those of narrow bays between, as one simplified shape.
+
+    Args:
+        points: (N, 2) mm.
+        low: (2,) mm, the grid's first corner.
+        side: mm, of the squares.
+    """
+    across, up = (((axis - least) / side).astype(np.int32) for axis, least in zip(points.T, low, strict=True))
     covered = np.zeros((up.max() + 1, across.max() + 1), dtype=bool)
     covered.ravel()[up * covered.shape[1] + across] = True
     change = np.diff(covered.astype(np.int8), axis=1, prepend=0, append=0)
     (row, begin), (_, end) = np.nonzero(change > 0), np.nonzero(change < 0)
-    apart = (row[1:] > row[:-1]) | ((begin[1:] - end[:-1]) * square > _NARROW_MM)
+    apart = (row[1:] > row[:-1]) | ((begin[1:] - end[:-1]) * side > _NARROW_MM)
     row, begin, end = row[np.append(True, apart)], begin[np.append(True, apart)], end[np.append(apart, True)]
     strips = shapely.multipolygons(shapely.box(begin, row, end, row + 1))
-    whole = shapely.transform(shapely.simplify(shapely.buffer(strips, 0), 1), lambda places: low + square * places)
-    # A line lies half its width inside, leaves the squares by half of one between two points, and is simplified.
-    margin = (settings.extrusion_width + 2 * settings.wave_crest + 3 * square) / 2
-    rings = exterior_rings(np.array([shapely.buffer(whole, margin, quad_segs=2)]))
-    return shapely.union_all(shapely.polygons(rings))
+    return shapely.transform(shapely.simplify(shapely.buffer(strips, 0), 1), lambda places: low + side * places)
 
 
 def ground(shade: shapely.Geometry, region: shapely.Geometry, walls: Paths, settings: PrintSettings) -> Ground:
