@@ -146,7 +146,8 @@ class DUALCOLOR_OT_remove_preset(_SettingsOperator, bpy.types.Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask first: a deleted file cannot be brought back by undo."""
-        return context.window_manager.invoke_confirm(self, event)
+        title = f"Remove the preset {self.name}?"
+        return context.window_manager.invoke_confirm(self, event, title=title, confirm_text="Remove")
 
     def apply(self, group: bpy.types.PropertyGroup) -> str:
         """Delete the preset's file; the object keeps its settings."""

@@ -136,9 +136,16 @@ class DUALCOLOR_OT_export_strands(_ForStrands, FileChoice, bpy.types.Operator):
 
     bl_idname = "dualcolor.export_strands"
     bl_label = "Export Predicted Print"
-    check_extension = None
     filename_ext = ".stl"
     filter_glob: bpy.props.StringProperty(default="*.stl;*.obj", options={"HIDDEN"})
+
+    def check(self, _context: bpy.types.Context) -> bool:
+        """Give a name without a suffix the usual one while it is chosen, so that Blender sees what it would replace."""
+        path = Path(self.filepath)
+        if not path.name or path.suffix or path.is_dir():
+            return False
+        self.filepath += self.filename_ext
+        return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Sweep the strands and write the file."""

@@ -70,7 +70,7 @@ def build_preview(
     for each in {scene, *(source.users_scene if source else ())}:  # in all of them the source is drawn as bounds
         if collection not in each.collection.children_recursive:
             each.collection.children.link(collection)
-        set_drawing(each)
+            set_drawing(each)  # later on it is the user's choice
     if source:
         show_print(source, False)  # what has left the plate is shown as it was
         collection[SOURCE_KEY] = source

@@ -138,6 +138,15 @@ def test_strands_whose_collection_was_hidden_in_the_outliner_are_seen_again(cube
         assert all(strand.visible_get() for strand in collection.objects)
 
 
+def test_strands_are_drawn_as_wide_as_they_are_until_the_user_wants_lines(cube):
+    render = bpy.context.scene.render
+    build_preview(square_print(), cube)
+    assert render.hair_type == "STRIP"
+    render.hair_type = "STRAND"
+    build_preview(square_print(), cube)
+    assert render.hair_type == "STRAND"
+
+
 def test_strands_lead_back_to_their_source(cube):
     collection = build_preview(square_print(), cube)
     assert source_of(collection.objects[0]) == cube

@@ -1,5 +1,7 @@
 """Pictures of several sides, at a distance, and side by side."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from dualcolor.tests.sample_print import LAYERS, SIDE, STEP, square_print
@@ -20,6 +22,7 @@ from dualcolor.core.errors import OutputError  # noqa: E402
 from dualcolor.core.pictures.viewing import PictureOptions  # noqa: E402
 from dualcolor.core.progress import drained  # noqa: E402
 from dualcolor.core.settings import PrintSettings  # noqa: E402
+from dualcolor.operators import render  # noqa: E402
 from dualcolor.tests.scene import add_box, add_material, add_uvs, flat_image  # noqa: E402
 
 SMALL = PictureOptions(resolution=(40, 40), samples=2)
@@ -135,6 +138,13 @@ def test_the_operators(cube, tmp_path):
     finally:
         dualcolor.unregister()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.obj", "a_back.png", "a_front.png", "a_sheet.png"]
+
+
+@pytest.mark.parametrize(("typed", "given"), [("a", "a.stl"), ("a.obj", "a.obj"), ("a.fbx", "a.fbx"), ("", "")])
+def test_a_mesh_without_a_suffix_becomes_an_stl_file(tmp_path, typed, given):
+    operator = SimpleNamespace(filepath=f"{tmp_path}/{typed}", filename_ext=".stl")
+    changed = render.DUALCOLOR_OT_export_strands.check(operator, None)
+    assert operator.filepath == f"{tmp_path}/{given}" and changed == (typed != given)
 
 
 def test_arguments(capsys):

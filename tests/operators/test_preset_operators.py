@@ -170,6 +170,15 @@ def test_the_dialog_tells_that_a_preset_is_replaced(block):
     assert said("Draft ") == [text] and said("Other") == []
 
 
+def test_who_removes_a_preset_is_told_which(block):
+    told = []
+    manager = SimpleNamespace(invoke_confirm=lambda operator, event, title, confirm_text: told.append(title))
+    bpy.types.DUALCOLOR_OT_remove_preset.invoke(
+        SimpleNamespace(name="Draft"), SimpleNamespace(window_manager=manager), 0
+    )
+    assert told == ["Remove the preset Draft?"]
+
+
 def test_reset_gives_every_default(block):
     for name in kind_settings("pattern"):
         if isinstance(getattr(block.dualcolor, name), float):
