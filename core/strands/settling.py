@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..model import BoolArray, FloatArray, IntArray
+from ..paths import Feature
 from ..ragged import starts
 from .spans import unsupported_distance
 from .strands import Strands
 
 _PIECE = 0.25  # mm between the points of a line over air, at least where it begins to be
+_HIDDEN_PIECE = 0.5  # mm, of sparse infill, which makes up most of what hangs in the air
 _TOUCHING = 0.01  # mm; lines side by side are a half width away from one between them, give or take the last digit
 _ROUNDING = 0.02  # of a piece: lengths of round numbers are cut alike whatever their last digit
 _SAG_OF_1_MM = (3 * 1040 * 9.81 * 1.0 * 1e-12 / (128 * 1e4)) ** (1 / 3) * 1e3  # see `sag_depth`
@@ -71,7 +73,8 @@ def _subdivided(laid: Strands) -> tuple[Strands, IntArray]:
     """The strands with points between those that are far apart, and (N,) how many steps are left to an old one."""
     lengths = _steps(laid.points)
     lengths[laid.start[:-1]] = 0.0
-    pieces = np.maximum(np.ceil(lengths / _PIECE - _ROUNDING), 1).astype(np.int64)
+    piece = np.where(laid.feature == Feature.INFILL, _HIDDEN_PIECE, _PIECE)
+    pieces = np.maximum(np.ceil(lengths / np.repeat(piece, np.diff(laid.start)) - _ROUNDING), 1).astype(np.int64)
     start = starts(pieces)
     left = np.repeat(start[1:] - 1, pieces) - np.arange(start[-1])
     step = np.diff(laid.points, axis=0, prepend=laid.points[:1]) / pieces[:, None]

@@ -1,6 +1,7 @@
 """Strands are the extruding moves and nothing else, with the extruded volume."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -163,6 +164,15 @@ def test_a_bridge_sinks_between_its_supports():
     # Cube root of 3 · 1040 · 9.81 · 1 s · (2 · 4.8 mm)⁴ / (128 · 10⁴ Pa·s), in meters, with the limit's effect on top.
     unlimited = (3 * 1040 * 9.81 * 0.0096**4 / 128e4) ** (1 / 3) * 1e3
     assert 0.3 - z.min() == pytest.approx(2.0 * np.tanh(unlimited / 2.0), rel=1e-6)
+
+
+def test_sparse_infill_sinks_alike_with_half_the_points():
+    lines = bridge(10.0)
+    seen = settled(lines, 0.3)
+    hidden = settled(replace(lines, feature=np.full(len(lines), int(Feature.INFILL))), 0.3)
+    of_seen, of_hidden = (found.points[of_layer(found, 1)] for found in (seen, hidden))
+    assert len(of_hidden) < 0.6 * len(of_seen) and np.diff(of_hidden[:, 0]).max() <= 1.0
+    np.testing.assert_allclose(of_hidden[:, 2], np.interp(of_hidden[:, 0], of_seen[:, 0], of_seen[:, 2]), atol=0.005)
 
 
 def test_sag_grows_with_the_span_up_to_its_limit():
