@@ -15,6 +15,7 @@ from ..bridge.paint.painting import (
     picture_of,
     picture_size,
     picture_uv,
+    printed_attributes,
     set_up_painting,
 )
 from ..bridge.properties import repaint_proof
@@ -50,12 +51,14 @@ class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
         """Set it up."""
         obj = context.object
         texel = self.texel_size or obj.dualcolor.layer_height / 2
+        instead = _instead(obj)
         try:
             image = set_up_painting(obj, texel, obj.dualcolor.background_tone)
             repaint_proof(obj)
         except PrintError as problem:
             return refused(self, problem)
-        self.report({"INFO"}, f"Painting on {image.name}, {image.size[0]} × {image.size[1]}")
+        message = f"Painting on {image.name}, {image.size[0]} × {image.size[1]}"
+        self.report({"WARNING" if instead else "INFO"}, message + instead)
         return {"FINISHED"}
 
 
@@ -173,7 +176,7 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
     def steps(self, context: bpy.types.Context) -> Steps:
         """Bake, then exchange the picture; an object without one gets a white one first."""
         obj = context.object
-        former = picture_of(obj)
+        former, instead = picture_of(obj), _instead(obj)
         side = picture_size(obj, obj.dualcolor.layer_height / 2, obj.dualcolor.printer)
         size = image_size(former) if former else (side, side)
         uv_map = picture_uv(obj).name if former else ""
@@ -184,7 +187,14 @@ class DUALCOLOR_OT_bake_occlusion(JobOperator, bpy.types.Operator):
         exchange_picture(obj, image, made)
         if not former:
             bpy.data.images.remove(image)
-        return f"Printing {made.name}"
+        self.outcome = "WARNING" if instead else "INFO"
+        return f"Printing {made.name}{instead}"
+
+
+def _instead(obj: bpy.types.Object) -> str:
+    """The end of a message about an object's first picture: which vertex colors it is printed instead of."""
+    names = [] if picture_of(obj) else printed_attributes(obj)
+    return f", instead of the color attribute {' and '.join(names)}" if names else ""
 
 
 OPERATORS = (

@@ -9,6 +9,7 @@ import bpy
 from ..bridge.input.mesh_input import MAKE_REAL, WITH_SURFACE
 from ..bridge.input.metaballs import metaball_of
 from ..bridge.input.plate import objects_to_print
+from ..bridge.properties import values_of
 from ..bridge.strands.preview import preview_of, source_of
 from .analysis import PANELS as ANALYSIS_PANELS
 from .calibrate import DUALCOLOR_PT_calibrate
@@ -45,12 +46,24 @@ class DUALCOLOR_PT_main(Tab, bpy.types.Panel):
             if obj is not None and obj.instance_type == "COLLECTION":
                 self.layout.label(text=f"or {MAKE_REAL}", icon="BLANK1")
             return
-        more = len(objects_to_print(context)) - 1
-        printed = f"{obj.name} and {more} more" if more > 0 else obj.name
+        printed, *notes = what_is_printed(context)
         self.layout.label(text=printed, icon="OBJECT_DATA", translate=False)
+        for note in notes:
+            draw_sentence(self.layout, context, note, "INFO")
         whole = metaball_of(obj, context.scene)
         if whole != obj:
             draw_sentence(self.layout, context, f"A part of {whole.name}: select that", "INFO")
+
+
+def what_is_printed(context: bpy.types.Context) -> list[str]:
+    """The object to print and how many with it; a sentence if these have settings of their own, which do not count."""
+    obj, *others = objects_to_print(context)
+    if not others:
+        return [obj.name]
+    settings = values_of(obj.dualcolor)
+    differ = any(values_of(other.dualcolor) != settings for other in others)
+    notes = [f"All are printed with the settings of {obj.name}"] if differ else []
+    return [f"{obj.name} and {len(others)} more", *notes]
 
 
 class DUALCOLOR_PT_pattern(ObjectPanel, bpy.types.Panel):

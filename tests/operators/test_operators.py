@@ -16,7 +16,8 @@ from dualcolor.panels.paint import hints  # noqa: E402
 from dualcolor.panels.printing import export_texts  # noqa: E402
 from dualcolor.panels.results import duration, figures  # noqa: E402
 from dualcolor.panels.rows import wrapped  # noqa: E402
-from dualcolor.tests.scene import datablocks  # noqa: E402
+from dualcolor.panels.sidebar import what_is_printed  # noqa: E402
+from dualcolor.tests.scene import add_box, datablocks  # noqa: E402
 
 
 def traces() -> set[str]:
@@ -90,6 +91,30 @@ def test_generate_makes_strands_and_a_report(block):
     assert block.dualcolor.show_print
     block.dualcolor.show_print = False
     assert block.display_type == "TEXTURED"
+
+
+def test_whose_settings_count_is_said_where_they_differ(block):
+    assert what_is_printed(bpy.context) == ["Cube"]
+    other = add_box((5, 5, 5), "other")
+    other.select_set(True)
+    bpy.context.view_layer.objects.active = block
+    assert what_is_printed(bpy.context) == ["Cube and 1 more"]
+    other.dualcolor.layer_height = 0.2
+    assert what_is_printed(bpy.context) == ["Cube and 1 more", "All are printed with the settings of Cube"]
+
+
+def test_a_first_picture_tells_which_vertex_colors_it_replaces(block, capfd):
+    block.data.color_attributes.new("Painted", "BYTE_COLOR", "CORNER")
+    block.data.materials.clear()
+    bpy.ops.dualcolor.bake_occlusion(samples=1)
+    assert "Occlusion, instead of the color attribute Painted" in capfd.readouterr().out
+    bpy.ops.dualcolor.set_up_painting()
+    assert "instead" not in capfd.readouterr().out
+    bpy.ops.object.mode_set(mode="OBJECT")
+    block.dualcolor.image = None
+    block.data.materials.clear()
+    bpy.ops.dualcolor.set_up_painting()
+    assert ", instead of the color attribute Painted" in capfd.readouterr().out
 
 
 def test_an_active_strand_stands_for_its_source(block):
