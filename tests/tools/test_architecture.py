@@ -20,9 +20,11 @@ def test_every_path_is_there():
 
 
 def ranks():
-    """The row of each folder and module of the core in the page's list."""
-    rows = re.search(r"from the rows above it:\n\n((?:    .*\n)+)", PAGE)[1].splitlines()
-    return {name: number for number, row in enumerate(rows) for name in re.split(" {2,}", row.strip())[:-1]}
+    """The place of each folder and module of the core in the page's list."""
+    rows = re.search(r"in its own:\n\n((?:    .*\n)+)", PAGE)[1].splitlines()
+    return {
+        name: place for place, name in enumerate(name for row in rows for name in re.split(" {2,}", row.strip())[:-1])
+    }
 
 
 def imported(path):
@@ -37,14 +39,14 @@ def imported(path):
 @pytest.mark.parametrize(
     "path", sorted((ROOT / "core").rglob("*.py")), ids=lambda path: path.relative_to(ROOT).as_posix()
 )
-def test_modules_of_the_core_import_only_from_rows_above(path):
+def test_modules_of_the_core_import_only_what_comes_before_them(path):
     rank = ranks()
-    rank |= {name.removesuffix("/").removesuffix(".py"): row for name, row in rank.items()}
+    rank |= {name.removesuffix("/").removesuffix(".py"): place for name, place in rank.items()}
     inside = path.relative_to(ROOT / "core").parts[0].removesuffix(".py")
     if inside == "__init__":
         return
     for name in imported(path):
-        assert name == inside or rank[name] <= rank[inside], f"{inside} imports {name}"
+        assert name == inside or rank[name] < rank[inside], f"{inside} imports {name}"
 
 
 def test_nothing_of_the_core_or_the_bridge_points_back():
