@@ -6,9 +6,9 @@ from dualcolor.core.contours.along_loops import dot, filtered, gaussian, steps
 from dualcolor.core.contours.grid import PointGrid, nearest
 from dualcolor.core.contours.inset import inset
 from dualcolor.tests.pattern_stages import lines_of
+from dualcolor.tests.robustness.strategies import examples
 from dualcolor.tests.solids import cylinder, joined, picture
 from hypothesis import given
-from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 
@@ -57,7 +57,7 @@ def test_places_are_found_again_on_every_loop():
 
 
 @given(st.integers(0, 2**32 - 1))
-@hypothesis_settings(max_examples=30, deadline=None)
+@examples(30)
 def test_grid_finds_the_nearest_point_of_the_layer(seed):
     rng = np.random.default_rng(seed)
     points, layer = rng.uniform(0, 5, (200, 2)), rng.integers(0, 3, 200)

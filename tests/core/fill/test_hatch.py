@@ -23,7 +23,8 @@ from dualcolor.tests.core.fill.fill_shapes import (
     stack,
     table_is_sound,
 )
-from hypothesis import given, settings
+from dualcolor.tests.robustness.strategies import examples
+from hypothesis import given
 from hypothesis import strategies as st
 
 
@@ -53,7 +54,7 @@ def test_solid_fill_covers_the_area_once(angle):
 
 
 @given(st.lists(st.tuples(st.integers(-6, 6), st.integers(-6, 6)), min_size=3, max_size=9), st.integers(1, 2))
-@settings(max_examples=80, deadline=None)
+@examples(80)
 def test_vertices_on_scan_lines_do_not_break_the_pairing(corners, spacing):
     region = shapely.buffer(shapely.make_valid(shapely.Polygon(corners)), 0)
     on_grid = shapely.set_precision(shapely.set_precision(region, 1.0), 0.0)  # every vertex is on a scan line

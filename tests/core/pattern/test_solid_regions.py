@@ -14,6 +14,7 @@ from dualcolor.core.mesh.triangles import triangulate
 from dualcolor.core.paths import Feature
 from dualcolor.core.pattern.modulation import layer_is_black
 from dualcolor.core.pattern.solid_regions import (
+    _stretch,
     left_to_other_tool,
     runs,
     solid_regions,
@@ -114,6 +115,16 @@ def test_runs_go_on_across_the_beginning_of_a_loop():
     run = runs(kind, np.array([0, 5, 9, 12]))
     assert run[0] == run[1] == run[4] and run[5] == run[6] == run[8] and len(set(run[9:])) == 1
     assert len(set(run.tolist())) == 6
+
+
+def test_a_wave_is_longer_than_its_outline_by_the_arc_of_a_sine():
+    chosen = PrintSettings(pattern="wave")
+    x = np.linspace(0, 1, 5001)
+    for depth in (0.0, 0.375, 0.75, 1.5):
+        path = np.hypot(np.diff(x * chosen.wavelength * np.sqrt(2)), np.diff(depth / 2 * np.sin(2 * np.pi * x))).sum()
+        expected = path / (chosen.wavelength * np.sqrt(2))
+        assert _stretch(np.array([depth]), chosen) == pytest.approx(expected, rel=1e-3)
+    assert _stretch(np.array([0.75]), PrintSettings(pattern="offset")) == 1
 
 
 def test_a_print_reports_regions_and_their_cost():

@@ -7,9 +7,9 @@ from dualcolor.core.sampling.projector import Projector
 from dualcolor.core.sampling.quality import seam_errors
 from dualcolor.core.settings import PrintSettings
 from dualcolor.tests.pattern_stages import WAVE_OFFSET, lines_of, sampled
+from dualcolor.tests.robustness.strategies import examples
 from dualcolor.tests.solids import box, cylinder, joined, lathe
 from hypothesis import given
-from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 
@@ -85,7 +85,7 @@ def test_loops_that_appear_split_and_merge():
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.6, 3.0))
-@hypothesis_settings(max_examples=20, deadline=None)
+@examples(20)
 def test_spacing_bound_on_random_solids(seed, wavelength):
     rng = np.random.default_rng(seed)
     radius = 6 + np.cumsum(rng.normal(0, 0.8, 12))

@@ -19,10 +19,10 @@ def test_points_between_and_round_ends():
 
 
 def test_a_line_whose_width_varies_keeps_it():
-    points = np.array([(0, 0, 0), (1, 0, 0)], dtype=float)
-    made, _, radius = for_smooth_curves(points, np.array([2]), np.array([0.1, 0.3]))
+    x, wide = np.array([0.0, 1.0, 3.0]), np.array([0.1, 0.3, 0.15])
+    made, _, radius = for_smooth_curves(np.outer(x, [1.0, 0, 0]), np.array([3]), wide)
     inner = slice(3, -3)
-    np.testing.assert_allclose(radius[inner], 0.1 + 0.2 * made[inner, 0])
+    np.testing.assert_allclose(radius[inner], np.interp(made[inner, 0], x, wide))
 
 
 def test_nothing_stays_nothing():
