@@ -70,6 +70,7 @@ def test_unwritable_outputs_are_refused_before_the_work(box, tmp_path, refused, 
     assert "two outputs" in refused("print", box, "--report", report, "--gcode", report)
     assert "cannot be made: a file has that name" in refused("demo", "--out", box)
     assert "take, but not of what" in refused("analyze", box, "--views", "front")
+    assert "no turntable" in refused("analyze", box, "--slopes", tmp_path / "x.png", "--views", "turntable")
 
 
 @pytest.mark.parametrize("kind", ["--gcode", "--report", "--save-settings", "--mesh"])
