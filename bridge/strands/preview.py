@@ -19,8 +19,8 @@ from .scrubber import LAST_LAYER_KEY, STRANDS_KEY, show_all_layers, strands_in
 from .strand_curves import set_drawing, strand_objects
 
 if TYPE_CHECKING:
-    from ...core.gcode.reader import ReadPrint
     from ...core.pipeline import DualColorPrint
+    from ...core.toolpaths.recovered import ReadPrint
 
 SOURCE_KEY = "dualcolor_source"
 _COMPANIONS_KEY = "dualcolor_companions"

@@ -7,7 +7,8 @@ from pathlib import Path
 import bpy
 
 from ...core.files import read_print_file, title
-from ...core.gcode.reader import ReadPrint, read_gcode
+from ...core.gcode.reader import read_gcode
+from ...core.toolpaths.recovered import ReadPrint
 from ...core.x3g.moves import moves_of_x3g
 from .preview import build_preview
 

@@ -129,9 +129,9 @@ def _hatched(
     spanned, solid, sparse = bridged(over_air, solid, sparse)
     if not settings.is_hollow and settings.infill_pattern != "concentric":  # whose loops keep off their walls anyway
         sparse = _beside_walls(sparse, width)
-    lines = [hatch_paths(planned(solid, sparse, island_layer, settings), island_layer)]
+    lines = [hatch_paths(plain_hatching(solid, sparse, island_layer, settings), island_layer)]
     if len(spanned.island):
-        lines.append(hatch_paths(bridging(spanned, island_layer, settings), island_layer))
+        lines.append(hatch_paths(bridge_hatching(spanned, island_layer, settings), island_layer))
     if not settings.is_hollow and settings.infill_pattern == "gyroid":
         height = middle_heights(island_layer, settings)
         lines.append(gyroid_paths(sparse, island_layer, height, width, settings))
@@ -148,7 +148,7 @@ def _beside_walls(sparse: Shapes, width_mm: FloatArray) -> Shapes:
     return inner
 
 
-def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: PrintSettings) -> Hatching:
+def plain_hatching(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: PrintSettings) -> Hatching:
     """Angles and spacings of hatches: skins are lines side by side; of sparse fill, the density sets the spacing.
 
     Args:
@@ -177,7 +177,7 @@ def planned(solid: Shapes, sparse: Shapes, island_layer: IntArray, settings: Pri
     )
 
 
-def bridging(found: Bridges, island_layer: IntArray, settings: PrintSettings) -> Hatching:
+def bridge_hatching(found: Bridges, island_layer: IntArray, settings: PrintSettings) -> Hatching:
     """Bridges are lines side by side, each in its own direction; `bridge_flow` makes them thicker or thinner."""
     width = line_widths(island_layer[found.island], settings)
     feature = np.full(len(width), int(Feature.BRIDGE), dtype=np.int64)

@@ -6,14 +6,12 @@ import re
 
 import numpy as np
 
-from ..errors import PrintError, SettingsError, counted
+from ..errors import PrintError, SettingsError
 from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Feature
-from ..records import dataclass
 from ..settings import PrintSettings
 from ..settings.header_text import read_back
-from ..toolpaths.moves import Moves
-from ..toolpaths.recovered import UNKNOWN, recovered_moves
+from ..toolpaths.recovered import UNKNOWN, ReadPrint, recovered_moves
 from .comments import FEATURE_NAMES
 from .words import LETTERS, Words, read_words
 
@@ -37,29 +35,6 @@ _FOREIGN = {
     "prime-tower": Feature.TOWER,
     "support": Feature.SUPPORT,
 }
-
-
-@dataclass(frozen=True)
-class ReadPrint:
-    """A print that was read from a file.
-
-    Attributes:
-        name: of the object, or of the file.
-        settings: those that the file names, defaults for all others.
-        moves: the print, without what stands before its first layer and after its last line.
-    """
-
-    name: str
-    settings: PrintSettings
-    moves: Moves
-
-    @property
-    def summary(self) -> str:
-        """Layers and meters of strands, nearly the same for the G-code and the X3G of a print."""
-        lays = np.flatnonzero(self.moves.extrudes)
-        step = self.moves.position[lays] - self.moves.position[np.maximum(lays - 1, 0)]
-        meters = float(np.sqrt(np.einsum("ij,ij->i", step, step)).sum()) / 1000
-        return f"{counted(len(np.unique(self.moves.layer[lays])), 'layer')}, {meters:.1f} m of strands"
 
 
 def read_gcode(data: bytes, name: str) -> ReadPrint:

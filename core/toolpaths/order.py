@@ -151,10 +151,10 @@ class _Walk:
             place = self._place
             away = [abs(tip - place) for tip in tips]
             nearest = away.index(min(away))
-            turn = nearest >= len(waiting)
-            chosen = nearest - len(waiting) if turn else nearest
+            backwards = nearest >= len(waiting)
+            chosen = nearest - len(waiting) if backwards else nearest
             del tips[chosen + len(waiting)], tips[chosen]
-            self._print(waiting.pop(chosen), turn)
+            self._print(waiting.pop(chosen), backwards)
 
     def _print_many(self, waiting: IntArray) -> None:
         """As `_print_few`."""
@@ -162,13 +162,13 @@ class _Walk:
         for _ in range(len(waiting)):
             to_begin, to_end = np.abs(begin - self._place), np.abs(end - self._place)
             a, b = int(to_begin.argmin()), int(to_end.argmin())
-            turn = bool(to_end[b] < to_begin[a])
-            chosen = b if turn else a
-            self._print(int(waiting[chosen]), turn)
+            backwards = bool(to_end[b] < to_begin[a])
+            chosen = b if backwards else a
+            self._print(int(waiting[chosen]), backwards)
             begin[chosen] = end[chosen] = np.inf
 
-    def _print(self, path: int, turn: bool) -> None:
-        """Go on over a path; with `turn` from its end to its beginning."""
+    def _print(self, path: int, backwards: bool) -> None:
+        """Go on over a path, or back from its end to its beginning."""
         self.sequence.append(path)
         if self._loops is not None and self._seamed[path]:
             loop = _complex(self._loops.points[self._loops.start[path] : self._loops.start[path + 1]])
@@ -176,9 +176,9 @@ class _Walk:
             self.seams[path] = seam
             self._place = complex(loop[seam])
             return
-        if turn:
+        if backwards:
             self.flipped.append(path)
-        self._place = (self._begins if turn else self._ends)[path]
+        self._place = (self._begins if backwards else self._ends)[path]
 
 
 def _ranks(settings: PrintSettings) -> IntArray:

@@ -1,12 +1,13 @@
-"""The table of moves recovered from a file: layers, kinds of moves and line widths follow from its numbers."""
+"""A print recovered from a file, G-code or X3G: layers, kinds of moves and line widths follow from its numbers."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ..errors import PrintError
+from ..errors import PrintError, counted
 from ..model import BoolArray, FloatArray, IntArray
 from ..paths import Feature
+from ..records import dataclass
 from ..settings import PrintSettings
 from .moves import Moves
 
@@ -16,6 +17,29 @@ _HARDLY = 1e-9  # mm of filament, for moves that need less than the file can tel
 _STATED_STEP = 0.002  # mm; widths that a file names are rounded to this
 _MOST = 1e6  # mm and mm/s; no printer is larger or faster
 _WINDOW = 0.2  # mm to either side over which a line's width is averaged where it varies
+
+
+@dataclass(frozen=True)
+class ReadPrint:
+    """A print that was read from a file.
+
+    Attributes:
+        name: of the object, or of the file.
+        settings: those that the file names, defaults for all others.
+        moves: the print, without what stands before its first layer and after its last line.
+    """
+
+    name: str
+    settings: PrintSettings
+    moves: Moves
+
+    @property
+    def summary(self) -> str:
+        """Layers and meters of strands, nearly the same for the G-code and the X3G of a print."""
+        lays = np.flatnonzero(self.moves.extrudes)
+        step = self.moves.position[lays] - self.moves.position[np.maximum(lays - 1, 0)]
+        meters = float(np.sqrt(np.einsum("ij,ij->i", step, step)).sum()) / 1000
+        return f"{counted(len(np.unique(self.moves.layer[lays])), 'layer')}, {meters:.1f} m of strands"
 
 
 def recovered_moves(
@@ -60,9 +84,8 @@ def recovered_moves(
     layer, height = _layers(position[:, 2], lays)
     moves = Moves(position, tool, kind, layer, np.zeros(len(way)), height, speed, fed)
     rows = np.flatnonzero(lays)
-    moves.width[rows] = _line_widths(
-        moves, rows, way[rows], settings, steps, None if stated is None else stated[kept][rows]
-    )
+    stated = None if stated is None else stated[kept][rows]
+    moves.width[rows] = _line_widths(moves, rows, way[rows], settings, steps, stated)
     return moves.rows(slice(int(rows[-1]) + 1))
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import PrintError
-from ..gcode.reader import ReadPrint
 from ..model import BoolArray, FloatArray
 from ..settings import PrintSettings
 from ..settings.printer import PrinterProfile, printer_names, printer_profile
-from ..toolpaths.recovered import UNKNOWN, recovered_moves
+from ..toolpaths.recovered import UNKNOWN, ReadPrint, recovered_moves
 from .reader import Commands, read_x3g
 
 _LONGEST_GAP = 0.6  # mm; a step of filament makes a quarter of a millimeter of a usual line

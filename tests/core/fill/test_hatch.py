@@ -6,7 +6,7 @@ import shapely
 from dualcolor.core.fill.bridges import bridged, bridges
 from dualcolor.core.fill.hatch import crossings, spans
 from dualcolor.core.fill.offsets import offset
-from dualcolor.core.fill.paths import fill_areas, fill_lines, hatch_paths, planned, wall_areas
+from dualcolor.core.fill.paths import fill_areas, fill_lines, hatch_paths, plain_hatching, wall_areas
 from dualcolor.core.fill.skins import skins
 from dualcolor.core.fill.walls import walls_and_fill
 from dualcolor.core.paths import Feature
@@ -170,7 +170,7 @@ def test_where_a_ring_starts_makes_no_difference():
     for share in np.linspace(0, 1, 40, endpoint=False):
         turned = shapely.Polygon(rolled(region.exterior, share), [rolled(hole, share) for hole in region.interiors])
         for solid, sparse in (([turned], [shapely.Polygon()]), ([shapely.Polygon()], [turned])):
-            results.append(hatch_paths(planned(shapes(solid), shapes(sparse), island, plan), island))
+            results.append(hatch_paths(plain_hatching(shapes(solid), shapes(sparse), island, plan), island))
     for first, later in ((results[0], results[2::2]), (results[1], results[3::2])):
         for paths in later:
             assert np.array_equal(paths.start, first.start)
