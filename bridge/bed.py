@@ -63,25 +63,27 @@ def reach_lines(printer: PrinterProfile, tool: int) -> FloatArray:
     return _box(low, high)[np.array(_BOX_EDGES[:4]).ravel()]
 
 
-def scale_to_height(obj: bpy.types.Object, height_mm: float) -> float:
-    """Scale an object evenly about its origin until it is that high in the world, its armature and the like with it.
+def scale_to_height(objects: Sequence[bpy.types.Object], height_mm: float) -> float:
+    """Scale objects evenly about the first one's origin until they are together that high in the world.
+
+    Their armatures and the like are scaled with them.
 
     Returns:
-        The factor; 1 for an object without a height, which stays as it is.
+        The factor; 1 for objects without a height, which stay as they are.
 
     Raises:
-        MeshError: what shapes it belongs to another file.
+        MeshError: one of them or what shapes it belongs to another file.
     """
-    now = float(np.ptp(bounds_mm([obj]), axis=0)[2])
+    obj, now = objects[0], float(np.ptp(bounds_mm(objects), axis=0)[2])
     if not now > 0:
         return 1.0
     factor = height_mm / now
-    if movers(obj) == [obj]:  # no matrix, in which shear from a turned parent would be lost
+    if movers(*objects) == [obj]:  # no matrix, in which shear from a turned parent would be lost
         obj.scale = [side * factor for side in obj.scale]
         bpy.context.view_layer.update()
     else:
         origin = Matrix.Translation(obj.matrix_world.translation)
-        move(obj, origin @ Matrix.Scale(factor, 4) @ origin.inverted())
+        move(objects, origin @ Matrix.Scale(factor, 4) @ origin.inverted())
     return factor
 
 

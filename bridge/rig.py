@@ -5,6 +5,8 @@ Cutters that are printed themselves too: a peg still fits the hole that it has c
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 from mathutils import Matrix
 
@@ -16,14 +18,14 @@ _SHEAR = 1e-4
 """Of single precision is what differs by less."""
 
 
-def movers(obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """The objects to be moved so that an object moves as it looks; the object alone if no modifier names another.
+def movers(*objects: bpy.types.Object) -> list[bpy.types.Object]:
+    """What is to be moved so that some objects move as they look; only these if no modifier names another.
 
     A posed mesh that is scaled or turned without its armature is bent in other places. Children of others in the list
     are left out: they come along.
     """
-    found = {obj.name: obj}
-    for modifier in obj.modifiers:
+    found = {obj.name: obj for obj in objects}
+    for modifier in (modifier for obj in objects for modifier in obj.modifiers):
         named = [getattr(modifier, name) for name in _object_properties(modifier)]
         if modifier.type == "NODES":  # which may also name a camera, or objects of other files as mere shapes
             named += [other for other in input_objects(modifier) if other.is_editable and other.type not in _ONLOOKERS]
@@ -31,13 +33,13 @@ def movers(obj: bpy.types.Object) -> list[bpy.types.Object]:
     return [each for each in found.values() if not any(above in found.values() for above in _parents(each))]
 
 
-def move(obj: bpy.types.Object, transform: Matrix) -> None:
-    """Apply a transform of the world to an object and to what shapes it.
+def move(objects: Sequence[bpy.types.Object], transform: Matrix) -> None:
+    """Apply a transform of the world to objects and to what shapes them.
 
     Raises:
         MeshError: one of them belongs to another file; nothing has been moved.
     """
-    moved = movers(obj)
+    moved = movers(*objects)
     for each in moved:
         if not each.is_editable:
             raise MeshError(f"{each.name} belongs to another file", "make it local first (Object > Relations)")

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ..bridge.bed import bounds_mm, scale_to_height
+from ..bridge.input.plate import objects_to_print
 from ..bridge.properties import repaint_proof
 from ..bridge.rig import movers
 from ..bridge.strands.preview import source_of
@@ -32,6 +33,12 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
         name="Height", default=_USUAL_MM, min=1.0, max=1000.0, precision=LENGTH_DIGITS, unit="CAMERA",
         description="Height of the printed object",
     )  # fmt: skip
+    together: bpy.props.BoolProperty(
+        name="All Selected",
+        description="Make all selected objects together that high, as parts of one thing; "
+        "otherwise only the active one is scaled",
+        options={"SKIP_SAVE"},
+    )
     scene_in_mm: bpy.props.BoolProperty(
         name="Scene in Millimeters",
         description="Make a unit of the scene a millimeter, so that brushes, grid and views suit small things. "
@@ -55,17 +62,25 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
         self.scene_in_mm = mm_per_unit(context.scene) != 1.0
         return context.window_manager.invoke_props_dialog(self)
 
+    def draw(self, context: bpy.types.Context) -> None:
+        """The height, of what, and the scene's unit."""
+        self.layout.prop(self, "height")
+        if len(objects_to_print(context)) > 1:
+            self.layout.prop(self, "together")
+        self.layout.prop(self, "scene_in_mm")
+
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Scale, and show the object as large as the view allows."""
         obj = source_of(context.object)
-        if not _height(obj) > 0:
+        objects = objects_to_print(context) if self.together else [obj]
+        if not _height(*objects) > 0:
             self.report({"ERROR"}, f"{obj.name} is flat: it has no height to scale")
             return {"CANCELLED"}
         if self.scene_in_mm:
             use_millimeters(context.scene)
-        others = [each.name for each in movers(obj) if each != obj]
+        others = [each.name for each in movers(*objects) if each not in objects]
         try:
-            scale_to_height(obj, self.height)
+            scale_to_height(objects, self.height)
         except PrintError as problem:
             return refused(self, problem)
         frame_selected(context)
@@ -73,14 +88,16 @@ class DUALCOLOR_OT_scale_to_height(bpy.types.Operator):
             frame_in_other_views(context, obj)
             for other in context.scene.objects:
                 repaint_proof(other)
-        now = _height(obj)
+        now = _height(*objects)
+        more = f" with {len(objects) - 1} more" if len(objects) > 1 else ""
         if math.isclose(now, self.height, rel_tol=_CLOSE):
             along = f"; scaled with it: {', '.join(others)}" if others else ""
-            self.report({"INFO"}, f"{obj.name} is {now:.1f} mm high{along}")
+            self.report({"INFO"}, f"{obj.name}{more} is {now:.1f} mm high{along}")
         else:
-            self.report({"WARNING"}, f"{obj.name} is {now:.1f} mm high: a constraint, driver or keyframe sets its size")
+            why = "a constraint, driver or keyframe sets its size"
+            self.report({"WARNING"}, f"{obj.name}{more} is {now:.1f} mm high: {why}")
         return {"FINISHED"}
 
 
-def _height(obj: bpy.types.Object) -> float:
-    return float(np.ptp(bounds_mm([obj]), axis=0)[2])
+def _height(*objects: bpy.types.Object) -> float:
+    return float(np.ptp(bounds_mm(objects), axis=0)[2])

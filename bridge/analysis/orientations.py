@@ -49,7 +49,7 @@ def turn(source: bpy.types.Object, number: int) -> float:
     unit = mm_per_unit(bpy.context.scene)
     before = bounds_mm([source]) / unit
     middle = Matrix.Translation(Vector(before.mean(axis=0)))
-    move(source, middle @ Matrix(rotation.tolist()).to_4x4() @ middle.inverted())
+    move([source], middle @ Matrix(rotation.tolist()).to_4x4() @ middle.inverted())
     shift = before[0, 2] - bounds_mm([source])[0, 2] / unit
-    move(source, Matrix.Translation((0.0, 0.0, shift)))
+    move([source], Matrix.Translation((0.0, 0.0, shift)))
     return float(np.degrees(np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1.0, 1.0))))

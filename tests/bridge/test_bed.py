@@ -85,3 +85,17 @@ def test_a_flat_object_cannot_be_scaled_to_a_height():
     bpy.ops.mesh.primitive_plane_add(size=10)
     with pytest.raises(RuntimeError, match="flat"):
         bpy.ops.dualcolor.scale_to_height(height=20.0)
+
+
+@pytest.mark.parametrize("parented", [False, True])
+def test_parts_of_one_thing_are_scaled_together(parented):
+    lid, chest = add_box((10, 10, 4), "lid"), add_box((10, 10, 2), "chest")
+    lid.location = (5, 0, 2)
+    lid.parent = chest if parented else None
+    lid.select_set(True)
+    bpy.context.view_layer.update()
+    assert bpy.ops.dualcolor.scale_to_height(height=60.0, together=True) == {"FINISHED"}
+    assert bounds_mm([chest, lid]) == pytest.approx(np.array([[0, 0, 0], [150, 100, 60]]), rel=1e-4)
+    assert bounds_mm([chest])[1] == pytest.approx([100, 100, 20], rel=1e-4)
+    bpy.ops.dualcolor.scale_to_height(height=10.0)
+    assert bounds_mm([lid])[1] == pytest.approx([75, 50, 30] if parented else [150, 100, 60], rel=1e-4)

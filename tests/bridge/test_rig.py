@@ -67,7 +67,7 @@ def test_what_the_inputs_of_nodes_name_is_scaled_too_but_no_camera():
     others[0].location.z = 10
     bpy.context.view_layer.update()
     assert movers(box) == [box, others[0]]
-    scale_to_height(box, 40.0)
+    scale_to_height([box], 40.0)
     assert others[0].matrix_world.translation.z == pytest.approx(20)
 
 
@@ -76,7 +76,7 @@ def test_a_posed_mesh_keeps_its_shape_when_it_is_scaled(child):
     box, rig = rigged(child)
     before = shape_of(box)
     assert movers(box) == ([rig] if child else [box, rig])
-    factor = scale_to_height(box, 50.0)
+    factor = scale_to_height([box], 50.0)
     assert np.ptp(bounds_mm([box]), axis=0)[2] == pytest.approx(50, rel=1e-4)
     assert shape_of(box) == pytest.approx(before * factor, rel=1e-4)
 
@@ -113,7 +113,9 @@ def test_a_size_that_something_else_sets_is_told_of():
     bpy.context.object.constraints.new("LIMIT_SCALE").use_max_z = True
     bpy.context.object.constraints[0].max_z = 1.0
     told = []
-    operator = SimpleNamespace(height=50.0, scene_in_mm=False, report=lambda kind, text: told.append((*kind, text)))
+    operator = SimpleNamespace(
+        height=50.0, together=False, scene_in_mm=False, report=lambda kind, text: told.append((*kind, text))
+    )
     assert DUALCOLOR_OT_scale_to_height.execute(operator, bpy.context) == {"FINISHED"}
     assert told == [("WARNING", "Cube is 20.0 mm high: a constraint, driver or keyframe sets its size")]
 
