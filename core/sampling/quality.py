@@ -15,6 +15,7 @@ from .samples import Samples
 
 # Distance between the probes, mm; the paper's 133,539 probes on LucyCat lie about 0.25 mm apart.
 PROBE_SPACING = 0.25
+# Below the first an error counts as none, from the second on it is salient (section 6.4 and the scale of Figure 10).
 ERROR_FREE, SALIENT = 0.05, 0.5
 HISTOGRAM_EDGES = (0.0, 0.05, 0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0)
 

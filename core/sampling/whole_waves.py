@@ -55,7 +55,7 @@ def rounded(grid: PhaseGrid, plan: WavePlan, stray: float, wavelength: float) ->
     work = _Rounding(grid, plan, stray, wavelength)
     for here, there in pairwise(work.cuts.tolist()):
         work.layer(*(slice(begin, end) for begin, end in zip(here, there, strict=True)))
-    return Phase(work.plain + work.lack, work.turns.astype(np.int64))
+    return Phase(work.planned_phase + work.difference, work.turns.astype(np.int64))
 
 
 def _before(values: FloatArray) -> FloatArray:
@@ -78,23 +78,23 @@ class _HandedUp:
         wrap: (K,) what the contour has more than planned comes on top by this share, where its beginning is between.
     """
 
-    def __init__(self, grid: PhaseGrid, plan: WavePlan, plain: FloatArray, total: FloatArray) -> None:
+    def __init__(self, grid: PhaseGrid, plan: WavePlan, planned_phase: FloatArray, total: FloatArray) -> None:
         # One coordinate for all contours, in which they lie one after the other with room between them.
         offset = _before(total) + 2.0 * np.arange(len(total))
         source = np.flatnonzero(grid.linked)
         low = grid.low[source]
         target = grid.loop[low]
-        above = plain[low] + grid.share[source] * plan.waves[low]
+        above = planned_phase[low] + grid.share[source] * plan.waves[low]
         place = offset[target] + above
         order = np.argsort(place, kind="stable")
         target, place, above = target[order], place[order], above[order]
         self.source = source[order]
-        self.phase = plain[self.source] + plan.slide[self.source] - above
+        self.phase = planned_phase[self.source] + plan.slide[self.source] - above
         self.way = above / np.maximum(total, 1e-9)[target] - 0.5
         first = starts(np.bincount(target, minlength=len(total)))
         self.contour = np.flatnonzero(np.diff(first))
         self.start = np.append(first[self.contour], len(target))
-        self._between(grid, offset[grid.loop] + plain, place, first, total[grid.loop])
+        self._between(grid, offset[grid.loop] + planned_phase, place, first, total[grid.loop])
 
     def _between(
         self, grid: PhaseGrid, where: FloatArray, place: FloatArray, first: IntArray, total: FloatArray
@@ -116,18 +116,28 @@ class _HandedUp:
 
 
 class _Rounding:
-    """The state of the sweep: what is known of all layers up to the present one.
+    """The state of the sweep: what is known of all layers up to the present one. D is told at the top of this file.
 
     A layer has few nodes, so that what can be found for all layers at once is, and the rest takes as few calls as can
-    be. `excess` counts the waves that the layers up to the present one have more than planned.
+    be.
+
+    Attributes:
+        planned_phase: (K,) at each node, from 0 at the first one of its contour.
+        total: (M,) planned waves of each contour, a fraction.
+        difference: (K,) D at each node.
+        handed: E entries, what each layer hands up.
+        carried: (E + 1,) D at each entry; 0 at the last, which stands for none.
+        turns: (M,) whole number of waves of each contour.
+        excess: waves that the layers up to the present one have more than planned.
+        cuts: where each layer begins among contours, nodes, contours that get something, and entries.
     """
 
     def __init__(self, grid: PhaseGrid, plan: WavePlan, stray: float, wavelength: float) -> None:
         self.total = sums(plan.waves, grid.start)
-        self.plain = _before(plan.waves) - _before(self.total)[grid.loop]
-        way = self.plain / np.maximum(self.total, 1e-9)[grid.loop]
-        self.handed = handed = _HandedUp(grid, plan, self.plain, self.total)
-        self.lack, self.value = np.zeros(len(grid.arc)), np.zeros(len(handed.source) + 1)
+        self.planned_phase = _before(plan.waves) - _before(self.total)[grid.loop]
+        way = self.planned_phase / np.maximum(self.total, 1e-9)[grid.loop]
+        self.handed = handed = _HandedUp(grid, plan, self.planned_phase, self.total)
+        self.difference, self.carried = np.zeros(len(grid.arc)), np.zeros(len(handed.source) + 1)
         fewest, most = feasible_turns(grid, wavelength)
         self.turns = np.clip(np.rint(self.total), fewest, most) * (np.diff(grid.start) > 0)
         self.stands_for = sums(grid.stands_for, grid.start) / np.maximum(np.diff(grid.start), 1)
@@ -142,7 +152,7 @@ class _Rounding:
         cuts = np.stack([loops, grid.start[loops], known, handed.start[known]], axis=1)
         self.cuts = cuts = cuts[np.append(True, np.diff(cuts[:, 1]) > 0)] if len(cuts) else cuts
         # Of the contours that get something from below, of what they get, and of the nodes; counted within the layer.
-        self.planned, self.fewest, self.most = (of[handed.contour] for of in (self.total, fewest, most))
+        self.planned_turns, self.fewest, self.most = (of[handed.contour] for of in (self.total, fewest, most))
         count = np.diff(handed.start)
         loop_cut, node_cut, known_cut, entry_cut = cuts[:-1].T
         many = np.diff(cuts, axis=0)
@@ -151,8 +161,8 @@ class _Rounding:
         self.count = count
         owner = np.repeat(np.arange(len(count)), count)
         self.owner = owner - np.repeat(known_cut, many[:, 3])
-        self.stray = np.clip(stray * self.planned, *STRAYS)[owner]
-        self.tilt = self.planned[owner] * handed.way
+        self.stray = np.clip(stray * self.planned_turns, *STRAYS)[owner]
+        self.tilt = self.planned_turns[owner] * handed.way
         self.loop = grid.loop - np.repeat(loop_cut, many[:, 1])
         self.ahead, self.behind = (of - np.repeat(node_cut, many[:, 1]) for of in (grid.ahead, grid.behind))
         self.way, self.over = way, handed.wrap - way * (handed.before < len(handed.source))
@@ -165,29 +175,29 @@ class _Rounding:
         more = self.turns[loops] - self.total[loops]
         self.excess += float(self.stands_for[loops] @ more)
         more = more.take(self.loop[nodes])
-        lack = self.value.take(handed.before[nodes])
-        rise = self.value.take(handed.after[nodes])
-        rise -= lack
+        difference = self.carried.take(handed.before[nodes])
+        rise = self.carried.take(handed.after[nodes])
+        rise -= difference
         rise *= handed.share[nodes]
-        lack += rise
-        lack += self.over[nodes] * more
+        difference += rise
+        difference += self.over[nodes] * more
         ahead, behind = self.ahead[nodes], self.behind[nodes]
-        # Twice the mean of a node and the mean of its neighbors.
+        # The weights (1, 2, 1) / 4 of a node and its neighbors.
         for _ in range(SMOOTHINGS):
-            lack += lack.take(ahead)
-            lack += lack.take(behind)
-        lack *= 0.25**SMOOTHINGS
+            difference += difference.take(ahead)
+            difference += difference.take(behind)
+        difference *= 0.25**SMOOTHINGS
         more *= self.way[nodes]
-        lack += more
-        self.lack[nodes] = lack
+        difference += more
+        self.difference[nodes] = difference
 
     def _carry(self, loop: int, known: slice, entries: slice) -> None:
-        """Take over the phase from below, less the plan; fixes the number of waves of the `known` contours."""
+        """Take D over from below; fixes the number of waves of the `known` contours."""
         handed, first, owner = self.handed, self.first[known], self.owner[entries]
-        phase = self.lack.take(handed.source[entries])
-        phase += handed.phase[entries]
-        walk = np.empty(len(phase))
-        np.subtract(phase[1:], phase[:-1], out=walk[1:])
+        carried = self.difference.take(handed.source[entries])
+        carried += handed.phase[entries]
+        walk = np.empty(len(carried))
+        np.subtract(carried[1:], carried[:-1], out=walk[1:])
         walk[first] = 0.0
         walk -= np.rint(walk)
         walk = walk.cumsum()
@@ -198,13 +208,13 @@ class _Rounding:
         stray = np.minimum(np.maximum(tilt, -STEERED, out=tilt), STEERED, out=tilt)
         stray += walk
         stray -= mean.take(owner)
-        begin = phase.take(first)
+        begin = carried.take(first)
         begin -= np.rint(begin)
         begin -= walk.take(first)
         _mend(walk, stray, first, self.stray[entries])
         turns = walk.take(self.last[known])
         turns -= walk.take(first)
-        turns += self.planned[known]
+        turns += self.planned_turns[known]
         turns = np.rint(turns)
         held = np.minimum(np.maximum(turns, self.fewest[known]), self.most[known])
         for this in (held != turns).nonzero()[0]:
@@ -213,14 +223,14 @@ class _Rounding:
                 walk[part] += _step_for(walk[part], np.sign(held[this] - turns[this]))
         self.turns[handed.contour[known]] = held
         walk += begin.take(owner)
-        self.value[entries] = walk
+        self.carried[entries] = walk
 
 
 def _mend(walk: FloatArray, stray: FloatArray, first: IntArray, most: FloatArray) -> None:
     """Add whole waves to or take them from `walk` where it strays by more than `most` from its mean; changes `stray`.
 
     Args:
-        walk: (E,) the phase.
+        walk: (E,) D, continuous along each contour.
         stray: (E,) from its mean.
         first: where each contour's entries begin.
         most: (E,) by how much it may.
