@@ -15,16 +15,16 @@ from .along_loops import box, cross, dot, filtered
 from .grid import PointGrid
 
 BLOCK = 4
-"""Walls are looked for by so many points at a time; all loops are made of whole blocks."""
+"""Points of a block, as which walls are looked for; all loops are made of whole blocks."""
 # Walls face each other where their normals point apart by more than this (cosine).
 FACING = -0.3
 # A block whose points lie this near to its chord is a straight piece of wall, mm.
 STRAIGHT = 0.01
-# What is found counts for so many points to both sides and goes over into what is beside it as smoothly.
+# Points to both sides for which what is found counts too, and over which it is averaged.
 EASING = 2
-# A table of all cells is kept where there are at most so many a block.
+# Most cells for each block for which a table of all cells is kept.
 CELLS_A_BLOCK = 64
-# So many that face others are worked on at a time.
+# Blocks that face others that are worked on at a time.
 BLOCKS_AT_ONCE = 1 << 13
 
 Bits = NDArray[np.uint16]

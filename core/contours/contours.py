@@ -30,11 +30,11 @@ FILTER_SIGMA = 0.25
 LEAST_WIDTH = 0.5
 # Walls of a little more than two lines get lines of up to this share: no line is thin enough for the gap behind them.
 MOST_WIDTH = 1.18
-# So much is kept clear between walls, mm: what is printed is within the chord tolerance of the waves.
+# Kept clear between walls, mm: what is printed is within the chord tolerance of the waves.
 NARROW_GAP = 0.02
-# With so much air before it a wall is in no crease, mm.
+# Air in front of a wall with which it is in no crease, mm.
 OPEN_AIR = 1.0
-# About so many points are worked on at a time: their arrays stay in the cache.
+# Points worked on at a time, about: their arrays stay in the cache.
 POINTS_AT_ONCE = 1 << 15
 # How far room is looked for is a multiple of this, mm, but for rounding errors.
 REACH_STEP, ROUNDING = 0.2, 1e-9

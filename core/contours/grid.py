@@ -7,7 +7,7 @@ import numpy as np
 from ..model import BoolArray, FloatArray, IntArray, bounds
 from ..ragged import ranges, starts
 
-# A table of all cells is kept where there are at most so many a point.
+# Most cells for each point for which a table of all cells is kept.
 CELLS_A_POINT = 64
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from ..model import BoolArray, FloatArray, IntArray
 from ..ragged import ranges
 
-# Lines are cut into pieces of about so many points, of which so many are walked along at once.
+# Points of the pieces into which lines are cut, about, and how many of these are walked along at once.
 PIECE_POINTS, PIECES_AT_ONCE = 64, 1 << 13
 
 

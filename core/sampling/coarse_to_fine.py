@@ -16,7 +16,7 @@ from .wave_plan import PrimalDual, WavePlan, uneven
 
 # Steps of each further search, where the plan left too many seams.
 MORE_STEPS = 400
-# Where weights differ it takes so many times as many steps, as births and deaths move farther.
+# Times as many steps are taken where weights differ, as births and deaths move farther there.
 WEIGHTED_STEPS = 3
 
 
@@ -24,8 +24,8 @@ class Level(NamedTuple):
     """Steps on a coarser grid.
 
     Attributes:
-        layers: the grid has every so many of all layers.
-        stride: every so many nodes of it.
+        layers: the grid has one in this many of all layers,
+        stride: and one in this many of their nodes.
         steps: of the search.
     """
 
@@ -54,7 +54,7 @@ def planned(
     Args:
         fine: the grid that those of fewer layers are made from, of the same layers as `grid`.
         grid: the grid of K nodes to plan on.
-        layers: it has every so many of all layers.
+        layers: it has one in this many of all layers.
         search: how long to search.
         weight: (K,) what a birth or a death above the edge from each node costs, 1 as a rule.
         wavelength: λ, mm.

@@ -26,7 +26,7 @@ STEEP = 0.3
 LEAST_RATIO = 0.75
 # An edge whose image is shorter than this share of its own length tells nothing of the waves on it.
 SHRUNK = 0.3
-# If the phase would rise between two nodes by more than so many times the usual waves, the surface is torn there.
+# The surface is torn between two nodes if the phase would rise there by more than this many times the usual waves.
 MOST_RISE = 3
 
 
@@ -97,7 +97,7 @@ class FewerLayers:
 
 
 def fewer_layers(grid: PhaseGrid, layers: int, tear: float) -> FewerLayers:
-    """Keep every so many layers, counted from the top; neighbors whose images lie `tear` mm farther apart are torn."""
+    """Keep one layer in `layers`, counted from the top; neighbors whose images lie `tear` mm farther apart are torn."""
     below = grid.lines.below_top
     kept = below % layers == 0
     place, up = grid.above.copy(), grid.loop[grid.low]

@@ -42,8 +42,9 @@ from .whole_waves import rounded
 LEAST_WEIGHT = 0.02  # what nobody sees still counts by this much
 
 # The quick plan.
-LAYERS = 4  # every so many layers are planned
-STRIDE, QUICK_SEARCHED = 12, 192  # contour points from node to node, and to nodes that are searched on the whole layer
+LAYERS = 4  # one layer in four is planned
+STRIDE = 12  # contour points from node to node
+QUICK_SEARCHED = 192  # contour points from node to node of those that are searched for on the whole layer above
 TEAR = 2.0  # wavelengths; neighbors whose images are farther apart than they, by more than this, are torn
 QUICK_SEARCH = Search((Level(layers=8, stride=2, steps=100),), steps=36)
 QUICK_STRAY = 0.03  # see `whole_waves.rounded`

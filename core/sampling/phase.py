@@ -9,7 +9,7 @@ from ..ragged import ranges, sums
 from ..records import dataclass
 from .phase_grid import PhaseGrid
 
-# The phase rises at least so much along each edge of the grid.
+# The phase rises at least by this along each edge of the grid.
 LEAST_RISE = 1e-6
 
 

@@ -25,9 +25,10 @@ from .phase_grid import PhaseGrid
 # Stiffness of the spacing inside of its bounds and outside of them, against that of the link between layers.
 SOFT, HARD = 0.02, 20.0
 MARGIN = 0.01
-# Sliding in a layer, in waves, from which on it is seen, and beyond which only a birth or a death can cause it; where a
-# node and its image are several layers apart, the latter is at most so much.
-VISIBLE, BROKEN, MOST_BROKEN = 0.1, 0.2, 0.4
+# Sliding in a layer, in waves, from which on it is seen, and beyond which only a birth or a death can cause it.
+VISIBLE, BROKEN = 0.1, 0.2
+# The most that the latter comes to where a node and its image are several layers apart.
+MOST_BROKEN = 0.4
 CONVERGED = 1e-8
 
 
@@ -36,7 +37,7 @@ class FitEffort(NamedTuple):
 
     Attributes:
         rounds: how often the weights are chosen.
-        plain: in so many first rounds all sliding weighs the same.
+        plain: number of first rounds in which all sliding weighs the same.
         steps: of conjugate gradients in each round, at most.
     """
 

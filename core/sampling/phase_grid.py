@@ -72,7 +72,7 @@ class PhaseGrid:
         return self.longest / (2 * wavelength) * (1 + margin), self.shortest / wavelength * (1 - margin)
 
     def coarser(self, stride: int) -> PhaseGrid:
-        """Every so many nodes of each contour, at least four, and all where a tear begins or ends."""
+        """One in `stride` nodes of each contour, at least four, and all where a tear begins or ends."""
         torn = np.isnan(self.step)
         return self.picked(np.flatnonzero(self._regular(stride) | (torn != torn[self.behind])))
 
@@ -95,7 +95,7 @@ class PhaseGrid:
         return node, np.minimum((place - self.arc.take(node)) / self.length.take(node), 1.0)
 
     def raised(self, place: FloatArray, loop: IntArray, layers: int) -> tuple[FloatArray, IntArray]:
-        """Places (Q,) on contours (Q,) carried up until they are on every so many layers, counted from the top.
+        """Places (Q,) on contours (Q,) carried up until they are on one of every `layers` layers, counted from the top.
 
         Returns:
             (Q,) arcs, NaN of what does not lead there, and (Q,) their contours.
@@ -119,7 +119,7 @@ class PhaseGrid:
         return brought_back(self.lines, image, up), up
 
     def spanning(self, layers: int, tear: float) -> PhaseGrid:
-        """Only every so many layers, counted from the top, linked to one another over those between them.
+        """One in `layers` layers, counted from the top, linked to one another over those between them.
 
         Neighbors whose images lie `tear` mm farther apart than they do are torn.
         """
@@ -134,11 +134,11 @@ class PhaseGrid:
         return np.asarray(number[self.ahead[node]])
 
     def every(self, stride: int) -> PhaseGrid:
-        """Only every so many nodes of each contour, at least four."""
+        """One in `stride` nodes of each contour, at least four."""
         return self.picked(np.flatnonzero(self._regular(stride)))
 
     def _regular(self, stride: int) -> BoolArray:
-        """(K,) every so many nodes of each contour, at least four."""
+        """(K,) one in `stride` nodes of each contour, at least four."""
         local = np.arange(len(self.arc)) - self.start[self.loop]
         every = np.minimum(stride, np.maximum(np.diff(self.start) // 4, 1))[self.loop]
         return np.asarray(local % every == 0)
@@ -184,7 +184,7 @@ def image_steps(
         length: (Q,) mm, the way there.
         above: (Q,) arcs of the places' images on contours `up` (Q,), NaN where there is none.
         up: these; any where there is no image.
-        tear: neighbors whose images lie so many mm farther apart than they are torn.
+        tear: mm; neighbors whose images lie so much farther apart than they are torn.
     """
     step = above.take(ahead) - above
     around = lines.length.take(up)

@@ -16,11 +16,11 @@ from ..ragged import ahead, preceding, ranges
 
 ComplexArray = NDArray[np.complex128]
 
-# A nearest place is looked for by going along the contour: so many times, by at most so many segments.
+# A nearest place is looked for by going along the contour: how often, and by how many segments at most.
 WALKS, FARTHEST = 2, 4.0
 # Where the way to the nearest place is longer than this, mm, the contour is not taken for straight.
 FAR = 0.05
-# Images are searched for among every so many points of the contours.
+# One in this many points of the contours is among those in which the search for an image begins.
 SPARSE = 6
 
 
@@ -63,13 +63,13 @@ class Projector:
 
     @cached_property
     def sparse(self) -> PointGrid:
-        """Every so many of them."""
+        """One in `SPARSE` of them."""
         many = -(-np.diff(self.lines.start) // SPARSE)
         first = np.repeat(self.lines.start[:-1], many)
         return self._grid(first + SPARSE * ranges(0, many), SPARSE, 1)
 
     def _grid(self, point: IntArray, every: int, rings: int) -> PointGrid:
-        """Some of the points, every so many, in cells of which at most so many rings have to be looked through."""
+        """Some of the points, one in `every`, in cells of which at most `rings` rings have to be looked through."""
         step = self.lines.length / np.maximum(np.diff(self.lines.start), 1)
         # A place lies at most half a step from a point, so that the search has to go that much farther.
         reach = self.threshold + float(step.max(initial=0.0)) * every / 2

@@ -38,10 +38,8 @@ LONGEST, DAMPING = 0.08, 1.0
 LEAST_STIFFNESS = 0.15
 # Share of a step that the next one keeps on.
 MOMENTUM = 0.6
-# How stiff samples are is found anew every so many steps.
-STIFFENED = 2
-# After so many steps places are located anew among the samples.
-RELOCATED = 8
+STIFFENED = 2  # steps after which it is found anew how stiff samples are
+RELOCATED = 8  # steps after which places are located anew among the samples
 
 
 @dataclass(frozen=True)

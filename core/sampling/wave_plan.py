@@ -39,8 +39,8 @@ PRIMAL_SHARE, WEIGHTED_SHARE = 0.1, 1.0
 SLIDE = 0.045
 SLIDE_COST = 0.012
 UNEVEN_COST = 0.002
-# The search ends when a step changes no number of waves and no price by more than this; looked at every so many steps.
-SETTLED, CHECKED = 1e-5, 20
+SETTLED = 1e-5  # the search ends when a step changes no number of waves and no price by more than this,
+CHECKED = 20  # which is looked at once in this many steps
 # The plan keeps this share away from the bounds on the spacing.
 MARGIN = 0.05
 
@@ -100,7 +100,7 @@ class PrimalDual:
         return WavePlan(self.usual, none, none, 0.0)
 
     def solved(self, first: WavePlan, steps: int) -> WavePlan:
-        """The plan after at most so many steps from a first guess."""
+        """The plan after at most `steps` steps from a first guess."""
         curl = self.curl
         if not len(curl.edge):
             return replace(self.even_plan(), level=first.level)

@@ -24,15 +24,17 @@ from .phase import Phase
 from .phase_grid import PhaseGrid
 from .wave_plan import WavePlan
 
-# The phase may stray from the plan by at least and at most so many waves before one is added or dropped; the stretch
-# that is then changed reaches to where it strays by this share of that.
-STRAYS, STRETCH = (0.55, 1.5), 0.5
-# To steer the sum of the waves, the plan is tilted along each contour by at most so many waves each way, too few to add
-# or drop one alone; and so that what is in excess is made up for within 1 / HASTE of the waves that are left.
-STEERED, HASTE = 0.3, 4.0
-# So often D is smoothed in each layer, and stretches that stray are moved.
-SMOOTHINGS = 2
-MENDINGS = 2
+# Least and greatest number of waves by which the phase may stray from the plan before one is added or dropped.
+STRAYS = (0.55, 1.5)
+# The stretch that is then changed reaches to where the phase strays by this share of that.
+STRETCH = 0.5
+# To steer the sum of the waves, the plan is tilted along each contour by at most this many waves each way, too few to
+# add or drop one alone.
+STEERED = 0.3
+# What is in excess is to be made up for within 1 / HASTE of the waves that are left.
+HASTE = 4.0
+# How often in each layer D is smoothed, and how often stretches that stray are moved.
+SMOOTHINGS, MENDINGS = 2, 2
 
 
 def feasible_turns(grid: PhaseGrid, wavelength: float) -> tuple[FloatArray, FloatArray]:
