@@ -6,12 +6,14 @@ import json
 import os
 import re
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-_MATERIALS = re.compile(rb"mtllib[ \t]+([^\r\n]+)")
-_PICTURES = re.compile(rb"(?:map_\w+|bump|disp|decal|norm|refl)[ \t]+([^\r\n]+)", re.IGNORECASE)
+_MATERIALS = re.compile(rb"mtllib[ \t]+([^\r\n]{1,500})")
+_PICTURES = re.compile(rb"(?:map_\w+|bump|disp|decal|norm|refl)[ \t]+([^\r\n]{1,500})", re.IGNORECASE)
+_MOST_STATEMENTS = 1000  # that are looked at in a file
 _GLB_HEAD_BYTES = 20  # of the file, 12, and of its first chunk, which is JSON
 
 
@@ -32,7 +34,7 @@ def companions(path: Path) -> list[Path]:
 
 def _beside(path: Path, statement: re.Pattern[bytes]) -> Iterator[Path]:
     """The files that statements name: options may stand before a name, and blanks within it."""
-    for found in statement.finditer(path.read_bytes()):
+    for found in islice(statement.finditer(path.read_bytes()), _MOST_STATEMENTS):
         words = found[1].decode("utf-8", "surrogateescape").replace("\\", "/").split(" ")
         for first in range(len(words)):
             for last in (first + 1, len(words)):

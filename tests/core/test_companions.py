@@ -40,3 +40,8 @@ def test_damaged_files_name_nothing(tmp_path, text):
     claim = b"glTF" + struct.pack("<III4s", 2, 20, 0xFFFFFFFF, b"JSON")
     (tmp_path / "a.glb").write_bytes(claim + text)
     assert companions(tmp_path / "a.glb") == companions(Path("n" * 300 + ".glb")) == []
+
+
+def test_no_file_names_more_than_can_be_looked_for(tmp_path):
+    (tmp_path / "a.obj").write_text("mtllib " + "a " * 200_000 + "\n" + "mtllib b.mtl\n" * 200_000)
+    assert len(companions(tmp_path / "a.obj")) < 5000

@@ -14,6 +14,7 @@ import numpy as np
 from dualcolor.core.calibration.photograph import read_photograph
 from dualcolor.core.calibration.sweep import read_sweep
 from dualcolor.core.calibration.table import read_table
+from dualcolor.core.companions import companions
 from dualcolor.core.gcode.reader import read_gcode
 from dualcolor.core.pipeline import DualColorPrint, generate
 from dualcolor.core.settings import PrintSettings
@@ -48,6 +49,9 @@ G90
 M117 done
 G1 X10 Y10 E0.4
 """
+
+
+GLTF = b'{"buffers": [{"uri": "a.bin"}, {"byteLength": 3}], "images": [{"uri": "a b.png"}], "asset": {}}'
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,7 @@ def targets() -> dict[str, Target]:
         "sweep": Target(
             _in_a_file(".npz", read_sweep), (_archive(),), (b"PK\3\4", b"\x93NUMPY", b"<f8", b"|O", b"about")
         ),
+        "companions": Target(_in_a_file(".gltf", companions), (GLTF,), (b'"uri":', b'"a%00.bin"', *numbers)),
         "photograph": Target(
             _in_a_file(".png", read_photograph), _pictures(), (b"IHDR", b"IDAT", b"\xff\xc0", b"II*\0", b"\xff" * 4)
         ),
@@ -149,6 +154,6 @@ def _pictures() -> tuple[bytes, ...]:
 def _archive() -> bytes:
     held = BytesIO()
     about = {"settings": {}, "reflectance": {"Black": 0.03, "White": 0.7}, "source": "test"}
-    readings = {"angle_deg": np.zeros((1, 2)), "tone": np.linspace(0, 1, 3), "reflectance": np.ones((3, 1))}
-    np.savez(held, about=json.dumps(about), slant_deg=0.0, block="a", noise=np.ones((3, 1)), **readings)
+    readings = {"angle_deg": np.zeros(1), "tone": np.linspace(0, 1, 3), "reflectance": np.ones((3, 1))}
+    np.savez(held, about=json.dumps(about), slant_deg=0.0, block="phi", noise=np.ones((3, 1)), **readings)
     return held.getvalue()

@@ -9,7 +9,7 @@ from dualcolor.tests.robustness.strategies import damaged, examples
 from hypothesis import given
 from hypothesis import strategies as st
 
-NAMES = ("gcode", "x3g", "preset", "settings", "header", "printer", "table", "sweep", "photograph")
+NAMES = ("gcode", "x3g", "preset", "settings", "header", "printer", "table", "sweep", "photograph", "companions")
 
 
 def test_all_readers_are_tried():

@@ -22,7 +22,7 @@ def test_a_needle_may_fall_over_and_a_brim_holds_it():
     needle = box((0, 0, 0), (2, 6, 30))
     (text,) = warned(needle)
     assert "30 mm high on a foot of 2.0 mm" in text and "brim_width" in text
-    for change in ({"brim_width": 3.0}, {"raft_layers": 2}):
+    for change in ({"brim_width": 0.5}, {"raft_layers": 2}):
         assert not warned(needle, replace(PLAN, **change))
     assert not warned(box((0, 0, 0), (3, 6, 30)))
 
