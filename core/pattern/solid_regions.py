@@ -15,6 +15,7 @@ from ..contours.contours import Contours
 from ..contours.places import average_along_wall
 from ..mesh.components import connected
 from ..model import BoolArray, FloatArray, IntArray
+from ..parallel import product
 from ..ragged import preceding, starts
 from ..records import dataclass
 from ..sampling.projector import Projector
@@ -159,13 +160,13 @@ def solid_report(
         swapped: (N,) bool, points that the other tool prints, or None.
     """
     step = lines.step
-    longer = step @ (_stretch(after, settings) - _stretch(before, settings))
+    longer = product(step, _stretch(after, settings) - _stretch(before, settings))
     return {
         "regions": len(solid.area),
         "black_mm2": float(solid.area[solid.is_black].sum()),
         "white_mm2": float(solid.area[~solid.is_black].sum()),
         "outline_share": float(step[solid.region >= 0].sum() / max(step.sum(), 1e-12)),
-        "outline_time_s": float(longer / settings.wave_speed),
+        "outline_time_s": longer / settings.wave_speed,
         "other_tool_mm": 0.0 if swapped is None else float(step[swapped].sum()),
         "tool_changes": 0,
         "tool_changes_in_layers": 0,

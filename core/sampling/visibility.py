@@ -62,8 +62,8 @@ def front_visibility(normal: FloatArray, front_deg: float) -> FloatArray:
         normal: (N, 2) unit vectors.
         front_deg: direction of the front about the vertical axis: 0 is -Y, 90 is +X.
     """
-    turn = np.radians(front_deg)
-    return np.asarray(np.clip(normal @ [np.sin(turn), -np.cos(turn)], 0.0, 1.0))
+    turn, (x, y) = np.radians(front_deg), normal.T
+    return np.asarray(np.clip(np.sin(turn) * x - np.cos(turn) * y, 0.0, 1.0))
 
 
 def tone_visibility(tone: FloatArray) -> FloatArray:
