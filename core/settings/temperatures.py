@@ -20,7 +20,8 @@ def nozzle_temperature(settings: PrintSettings, tool: int, layer: int) -> float:
 def bed_temperature(settings: PrintSettings, layer: int) -> float:
     """°C of the bed while a layer is printed, counted from the bed."""
     first = settings.first_layer_bed_temperature
-    return first if layer == 0 and first else settings.bed_temperature
+    # Files hold whole degrees: what would be 0 there is that of the other layers, too.
+    return first if layer == 0 and round(first) else settings.bed_temperature
 
 
 def starting_temperatures(settings: PrintSettings, tool: IntArray, layer: IntArray) -> dict[int, float]:

@@ -27,6 +27,14 @@ def test_without_them_the_temperatures_stay():
         assert not [line for line in heating(rosette(4, 9), **values)[1] if line.startswith(("M104", "M109", "M140"))]
 
 
+@pytest.mark.parametrize("degrees", [0.0, 0.5])
+def test_a_bed_that_would_be_told_0_degrees_is_as_warm_as_for_the_others(degrees):
+    moves, changed = rosette(4, 9), {"first_layer_bed_temperature": degrees}
+    assert heating(moves, **changed)[0][0] == "M109 S110 T0"
+    settings = PrintSettings().changed(changed)
+    assert audit(read_x3g(x3g_bytes(moves, settings, "part")), settings.printer_profile) == []
+
+
 def test_the_second_layer_begins_with_the_others_temperatures():
     start, body = heating(rosette(4, 9), **HOTTER)
     # The white nozzle prints nothing on the first layer.
