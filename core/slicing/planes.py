@@ -65,9 +65,13 @@ def levels(height: FloatArray, plane: FloatArray) -> IntArray:
 
 
 def line_widths(layer: IntArray, settings: PrintSettings) -> FloatArray:
-    """(N,) mm, how wide the object's lines are on (N,) layers; the first has its own width where it lies on the bed."""
-    on_bed = (layer == 0) & (settings.raft_layers == 0)
-    return np.where(on_bed, settings.first_layer_extrusion_width, settings.extrusion_width)
+    """(N,) mm, how wide the lines of object and supports are on (N,) layers; the first one has a width of its own."""
+    return np.where(layer == 0, first_line_width(settings), settings.extrusion_width)
+
+
+def first_line_width(settings: PrintSettings) -> float:
+    """Mm, how wide the lines of the object's first layer are: as those of others where it lies on a raft."""
+    return settings.extrusion_width if settings.raft_layers else settings.first_layer_extrusion_width
 
 
 def elephant_foot(settings: PrintSettings) -> float:

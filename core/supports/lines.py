@@ -13,6 +13,7 @@ from ..parallel import geos_in_threads
 from ..paths import Feature, Paths
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..slicing.planes import first_line_width
 from ..slicing.regions import gathered, ring_points
 from ..toolpaths.loops import FirstIsland
 from .grid_overlay import areas, nothing, once, overlapping, thickness
@@ -36,6 +37,7 @@ class Areas:
         layer: (S,) int64.
         feature: SUPPORT or SUPPORT_INTERFACE.
         spacing_mm: distance of the lines.
+        width_mm: of the lines.
         angle_deg: their direction.
     """
 
@@ -43,6 +45,7 @@ class Areas:
     layer: IntArray
     feature: Feature
     spacing_mm: float
+    width_mm: float
     angle_deg: float
 
 
@@ -79,27 +82,29 @@ def support_lines(below: Shapes, close: Shapes, settings: PrintSettings) -> Path
     Args:
         below: (L,) areas of support, for the center lines, that do not carry the object directly.
         close: (L,) those that do.
-        settings: the supports' spacings and `extrusion_width` are used.
+        settings: the supports' spacings and the widths of lines are used.
 
     Returns:
         Paths of feature SUPPORT and SUPPORT_INTERFACE on the island `FirstIsland.SUPPORT`.
     """
     layer = np.arange(len(below))
     wide, fine = settings.support_spacing, min(settings.support_interface_spacing, settings.support_spacing)
+    first, usual = first_line_width(settings), settings.extrusion_width
+    dense = max(fine, first)  # the first layer holds on to the bed
     parts = []
-    # The first layer is dense, so that it holds on to the bed.
-    for rows, spacing, shapes, feature, angle in (
-        (layer[:1], fine, below, Feature.SUPPORT, _ANGLE_DEG),
-        (layer[1:], wide, below, Feature.SUPPORT, _ANGLE_DEG),
-        (layer, fine, close, Feature.SUPPORT_INTERFACE, _INTERFACE_ANGLE_DEG),
+    for rows, spacing, width, shapes, feature, angle in (
+        (layer[:1], dense, first, below, Feature.SUPPORT, _ANGLE_DEG),
+        (layer[1:], wide, usual, below, Feature.SUPPORT, _ANGLE_DEG),
+        (layer[:1], dense, first, close, Feature.SUPPORT_INTERFACE, _INTERFACE_ANGLE_DEG),
+        (layer[1:], fine, usual, close, Feature.SUPPORT_INTERFACE, _INTERFACE_ANGLE_DEG),
     ):
-        parts += _filled(Areas(shapes[rows], rows, feature, spacing, angle), settings)
+        parts += _filled(Areas(shapes[rows], rows, feature, spacing, width, angle), settings)
     return Paths.joined(parts)
 
 
 def _filled(areas: Areas, settings: PrintSettings) -> list[Paths]:
     """Lines, and a loop around each part that is too narrow for them to stand without it; tubes have the loop alone."""
-    width = settings.extrusion_width
+    width = areas.width_mm
     parts, owner = shapely.get_parts(areas.shapes, return_index=True)
     printable = shapely.length(parts) > 2 * width
     parts, owner = parts[printable], owner[printable]
@@ -109,7 +114,7 @@ def _filled(areas: Areas, settings: PrintSettings) -> list[Paths]:
     within = once(lambda some: (offset(some, -width),), parts[ribbed])  # its lines lie beside the loop's
     inside = np.concatenate([parts[~narrow], within])
     of_layer = np.concatenate([owner[~narrow], owner[ribbed]])
-    return [_hatched(areas, inside, of_layer, width), _loops(areas, parts[narrow], owner[narrow], width)]
+    return [_hatched(areas, inside, of_layer), _loops(areas, parts[narrow], owner[narrow])]
 
 
 def _tubes(parts: Shapes, layer: IntArray, settings: PrintSettings) -> BoolArray:
@@ -128,25 +133,25 @@ def _tubes(parts: Shapes, layer: IntArray, settings: PrintSettings) -> BoolArray
     return found & (thickness(parts) < _TUBE_MM)
 
 
-def _hatched(areas: Areas, shapes: Shapes, owner: IntArray, width: float) -> Paths:
+def _hatched(areas: Areas, shapes: Shapes, owner: IntArray) -> Paths:
     """Parallel lines in shapes (H,), joined along their edges; `owner` (H,) is the row of each in the areas."""
     everywhere = np.ones(len(shapes))
     angle, spacing = areas.angle_deg * everywhere, areas.spacing_mm * everywhere
     cut = crossings(shapes, angle, spacing)
     found = spans(cut)
     limits = LinkLimits(_STRAIGHTNESS_MM, 2 * spacing, _LONGEST_LINK * spacing)
-    keep = long_enough(cut, found, width)
+    keep = long_enough(cut, found, areas.width_mm)
     points, start, row = joined(cut, found, keep, 0 * everywhere, limits)
     points = rotated(points, angle, np.repeat(row, np.diff(start)))
-    return _paths(areas, points, start, areas.layer[owner[row]], closed=False, width=width)
+    return _paths(areas, points, start, areas.layer[owner[row]], closed=False)
 
 
-def _loops(areas: Areas, parts: Shapes, owner: IntArray, width: float) -> Paths:
+def _loops(areas: Areas, parts: Shapes, owner: IntArray) -> Paths:
     """One loop along the outer boundary of each of parts (P,)."""
     points, start = ring_points(shapely.get_exterior_ring(parts))
-    return _paths(areas, points, start, areas.layer[owner], closed=True, width=width)
+    return _paths(areas, points, start, areas.layer[owner], closed=True)
 
 
-def _paths(areas: Areas, points: FloatArray, start: IntArray, layer: IntArray, closed: bool, width: float) -> Paths:
-    island = FirstIsland.SUPPORT
-    return Paths.alike(points, start, layer, feature=areas.feature, island=island, closed=closed, width=width)
+def _paths(areas: Areas, points: FloatArray, start: IntArray, layer: IntArray, closed: bool) -> Paths:
+    feature, island, width = areas.feature, FirstIsland.SUPPORT, areas.width_mm
+    return Paths.alike(points, start, layer, feature=feature, island=island, closed=closed, width=width)

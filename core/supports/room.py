@@ -34,15 +34,15 @@ def taken_room(cut: Slices, lines: Contours, depth: FloatArray, gap: int, settin
         lines: contours of its outlines.
         depth: (N,) mm, of the wave at each contour point, peak to peak.
         gap: layers of air between a support and the object, above and below.
-        settings: `extrusion_width` and `support_xy_distance` are used.
+        settings: the widths of lines and `support_xy_distance` are used.
     """
     # What lies inside the line through the valleys of the opposite wave lies inside the line through the crests.
     crest = valley_lines(lines, -depth, np.zeros_like(depth))
     outside = inside_of_lines(lines, crest, len(cut.polygons), _TOLERANCE_MM)
     parts, owner = shapely.get_parts(outside, return_index=True)
     crests = gathered(parts, cut.polygon_layer[owner], len(cut.regions))
-    wall = line_widths(np.arange(len(cut.regions)), settings) / 2
-    room = wall + settings.extrusion_width / 2 + _MARGIN_MM
+    # Half a line of the wall and half a line of the support.
+    room = line_widths(np.arange(len(cut.regions)), settings) + _MARGIN_MM
 
     def chunk(crest: Shapes, room: FloatArray) -> tuple[Shapes, Shapes]:
         touching = offset_outlines(crest, room)

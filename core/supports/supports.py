@@ -11,6 +11,7 @@ from ..model import FloatArray, Shapes, TriangleMesh
 from ..paths import Paths
 from ..records import dataclass
 from ..settings import PrintSettings
+from ..slicing.planes import first_line_width
 from ..slicing.slices import Slices
 from .columns import columns, standing_on_bed
 from .grid_overlay import nothing
@@ -73,7 +74,7 @@ def on_bed(region: Geometry, area: Geometry, settings: PrintSettings) -> Geometr
     Args:
         region: cross-section of the object.
         area: of the supports' center lines.
-        settings: `extrusion_width`, `brim_width` and what moves walls inwards are used.
+        settings: the width of the first layer's lines, `brim_width` and what moves walls inwards are used.
     """
     own = shapely.buffer(region, -reach_of(settings).inwards) if settings.brim_width else region
-    return shapely.union(own, shapely.buffer(area, settings.extrusion_width / 2, quad_segs=2))
+    return shapely.union(own, shapely.buffer(area, first_line_width(settings) / 2, quad_segs=2))

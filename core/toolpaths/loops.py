@@ -64,8 +64,14 @@ def first_layer_loops(loops: list[FloatArray], feature: Feature, first: FirstIsl
     )
 
 
-def on_layers(paths: Paths, layers: int) -> Paths:
-    """Paths of one layer repeated on the first `layers` layers."""
+def on_layers(paths: Paths, layers: int, width: float) -> Paths:
+    """The paths of layer 0 repeated on the first layers.
+
+    Args:
+        paths: as they are on layer 0.
+        layers: how many.
+        width: mm, of the lines on the others.
+    """
     lines, points = len(paths.layer), len(paths.points)
     if not lines or layers <= 0:
         return Paths.empty()
@@ -77,5 +83,5 @@ def on_layers(paths: Paths, layers: int) -> Paths:
         feature=np.tile(paths.feature, layers),
         island=np.tile(paths.island, layers),
         closed=np.tile(paths.closed, layers),
-        width=np.tile(paths.width, layers),
+        width=np.concatenate([paths.width, np.full((layers - 1) * points, width)]),
     )

@@ -13,11 +13,11 @@ _CORNER_TOLERANCE_MM = 0.05
 _SMOOTH_MM = 4.0
 
 
-def shield_area(shadow: shapely.Geometry, settings: PrintSettings) -> shapely.Geometry:
-    """The area that the shield encloses, itself included; the shadow alone without a shield."""
+def shield_area(shadow: shapely.Geometry, width: float, settings: PrintSettings) -> shapely.Geometry:
+    """The area that a shield of lines `width` mm wide encloses, itself included; the shadow alone without a shield."""
     if not settings.ooze_shield or shadow.is_empty:
         return shadow
-    return shapely.buffer(_walls(shadow, settings), settings.extrusion_width / 2)
+    return shapely.buffer(_walls(shadow, settings), width / 2)
 
 
 def shield_paths(shadow: shapely.Geometry, layers: int, settings: PrintSettings) -> Paths:
@@ -37,8 +37,9 @@ def shield_paths(shadow: shapely.Geometry, layers: int, settings: PrintSettings)
         return Paths.empty()
     rings = shapely.simplify(exterior_rings(np.array([_walls(shadow, settings)])), _CORNER_TOLERANCE_MM)
     loops = [loop_points(ring) for ring in rings]
-    wall = first_layer_loops(loops, Feature.OOZE_SHIELD, FirstIsland.OOZE_SHIELD, settings.extrusion_width)
-    return on_layers(wall, layers)
+    width = settings.first_layer_extrusion_width
+    wall = first_layer_loops(loops, Feature.OOZE_SHIELD, FirstIsland.OOZE_SHIELD, width)
+    return on_layers(wall, layers, settings.extrusion_width)
 
 
 def _walls(shadow: shapely.Geometry, settings: PrintSettings) -> shapely.Geometry:

@@ -10,7 +10,7 @@ from ..model import FloatArray, IntArray, Shapes, bounds
 from ..paths import Paths
 from ..records import dataclass
 from ..settings import PrintSettings
-from ..slicing.planes import Layers, line_widths
+from ..slicing.planes import Layers, first_line_width
 from .brim import brim_area, brim_paths
 from .loops import exterior_rings
 from .placement import placed, turned
@@ -87,8 +87,7 @@ def ground(shade: shapely.Geometry, region: shapely.Geometry, walls: Paths, sett
         walls: the waved outlines, of the first layer at least.
         settings: the extrusion widths and the raft are used.
     """
-    width = float(line_widths(np.zeros(1, dtype=np.int64), settings)[0])
-    strips = shapely.buffer(_closed_lines(walls, np.flatnonzero(walls.layer == 0)), width / 2)
+    strips = shapely.buffer(_closed_lines(walls, np.flatnonzero(walls.layer == 0)), first_line_width(settings) / 2)
     first = shapely.union_all([region, *strips])
     if settings.raft_layers:
         first = raft_area(first, settings)
@@ -118,20 +117,21 @@ def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -
         SettingsError: the tower does not fit where the user wants it.
     """
     shield = shield_paths(on_bed.shadow, len(layers), settings)
-    inside_shield = shield_area(on_bed.shadow, settings)
+    first_width = settings.first_layer_extrusion_width
+    inside_shield = shield_area(on_bed.shadow, max(first_width, settings.extrusion_width), settings)
     raft = raft_paths(on_bed.first, settings)
     # What stands within a hole, as in letters, gets no brim that would fill the hole.
     first = shapely.union_all(shapely.polygons(exterior_rings(np.array([on_bed.first]))))
     if settings.ooze_shield:
-        inside = shapely.buffer(inside_shield, -settings.extrusion_width)
-        first = shapely.union(first, shapely.difference(inside_shield, inside))
+        wall = shield_area(on_bed.shadow, first_width, settings)
+        first = shapely.union(first, shapely.difference(wall, shapely.buffer(wall, -first_width)))
     brim = brim_paths(first, settings)
     covered = brim_area(first, settings)
     tower = tower_where_free(shapely.union(inside_shield, covered), layers, settings)
     around = [covered]
     if tower:
         outermost = [*tower_brim(tower, settings), tower[-1]][0]
-        around.append(shapely.buffer(shapely.polygons(outermost), settings.first_layer_extrusion_width / 2))
+        around.append(shapely.buffer(shapely.polygons(outermost), first_width / 2))
     skirt = skirt_paths(shapely.union_all(around), settings)
     return Paths.joined([skirt, tower_paths(tower, len(layers), settings), brim, shield, raft])
 

@@ -70,6 +70,19 @@ def test_underside_of_a_table_is_held_from_the_bed(table):
         assert area.distance(leg) >= WIDTH / 2 + SETTINGS.support_xy_distance
 
 
+@pytest.mark.parametrize("raft", [0, 2])
+def test_lines_on_the_bed_are_as_wide_as_the_first_layer(raft):
+    wide = 1.0
+    cut, made = held(TABLE, SETTINGS.changed({"first_layer_extrusion_width": wide, "raft_layers": raft}))
+    paths = made.paths
+    width, first = paths.width, np.repeat(paths.layer == 0, np.diff(paths.start))
+    assert (width[first] == (WIDTH if raft else wide)).all() and (width[~first] == WIDTH).all()
+    places, half = shapely.MultiPoint(paths.points[first]), width[first][0] / 2
+    assert cut.regions[0].distance(places) - half >= SETTINGS.support_xy_distance
+    beside = np.unique(paths.points[first & (np.abs(paths.points[:, 1]) > 5), 1].round(3))
+    assert np.diff(beside[beside > 0]).min() >= 2 * half  # side by side at most
+
+
 def test_lines_cover_the_area_evenly(table):
     _, made = table
     dense = made.paths.feature == Feature.SUPPORT_INTERFACE

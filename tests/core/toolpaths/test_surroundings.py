@@ -74,13 +74,26 @@ def test_shield_stands_on_every_layer_at_its_distance():
     assert not len(shield_paths(shadow, 7, SETTINGS).layer)
 
 
+def test_shield_is_as_wide_on_the_bed_as_the_first_layer_and_its_brim_touches_it():
+    settings = SETTINGS.changed({"ooze_shield": True, "brim_width": 3.0, "first_layer_extrusion_width": 0.8})
+    square = shapely.box(-10, -10, 10, 10)
+    paths = surrounding_paths(Ground(square, square), stack(3), settings)
+    shield = paths.selected(paths.feature == Feature.OOZE_SHIELD)
+    assert np.unique(shield.width[shield.start[:-1]]).tolist() == [0.4, 0.8]
+    assert (shield.width[: shield.start[1]] == 0.8).all() and (shield.width[shield.start[1] :] == 0.4).all()
+    (wall,) = (shapely.LinearRing(loop) for loop in loops_of(paths, Feature.OOZE_SHIELD, layer=0))
+    around = [shapely.LinearRing(loop) for loop in loops_of(paths, Feature.BRIM)]
+    assert min(loop.distance(wall) for loop in around) == pytest.approx(0.8, abs=0.03)
+
+
 def test_repeated_layers_keep_every_path():
     single = brim_paths(shapely.box(0, 0, 5, 5), SETTINGS.changed({"brim_width": 1.0}))
-    thrice = on_layers(single, 3)
+    thrice = on_layers(single, 3, 0.7)
+    assert (thrice.width == np.repeat([single.width[0], 0.7, 0.7], len(single.points))).all()
     assert thrice.layer.tolist() == [0] * 3 + [1] * 3 + [2] * 3
     assert (np.diff(thrice.start) == np.tile(np.diff(single.start), 3)).all()
     assert (thrice.points == np.tile(single.points, (3, 1))).all()
-    assert not len(on_layers(single, 0).layer)
+    assert not len(on_layers(single, 0, 0.7).layer)
 
 
 # All together
