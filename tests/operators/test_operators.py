@@ -29,7 +29,7 @@ def traces() -> set[str]:
     names_of_menus += ("VIEW3D_MT_editor_menus", "VIEW3D_MT_edit_mesh_faces")
     menus = [getattr(bpy.types, name) for name in (*names_of_menus, "IMAGE_MT_image")]
     entries = [entry for menu in menus for entry in menu._dyn_ui_initialize()]
-    entries += [*bpy.app.handlers.load_pre, *bpy.app.handlers.depsgraph_update_post]
+    entries += [*bpy.app.handlers.load_pre, *bpy.app.handlers.load_post, *bpy.app.handlers.depsgraph_update_post]
     entries += [*bpy.app.handlers.undo_post, *bpy.app.handlers.redo_post]
     return names | {str(entry) for entry in entries if entry.__module__.startswith("dualcolor")}
 
@@ -183,6 +183,23 @@ def test_a_copy_of_a_printed_object_and_one_whose_strands_were_deleted_look_as_b
     assert block.display_type == "TEXTURED" and not block.hide_render and not block.dualcolor.show_print
     block.dualcolor.show_print = True
     assert block.display_type == "TEXTURED", "there is nothing to be shown instead"
+
+
+def test_an_object_linked_from_the_file_of_its_print_is_seen_as_it_is(block, tmp_path):
+    block.dualcolor.perimeters, block.dualcolor.infill_density = 1, 0
+    bpy.ops.dualcolor.generate()
+    printed, other = tmp_path / "printed.blend", tmp_path / "other.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(printed))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(printed), link=True) as (_, wanted):
+        wanted.objects = ["Cube"]
+    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    bpy.context.view_layer.update()
+    for _ in range(2):
+        linked = bpy.data.objects["Cube"]
+        assert linked.library and linked.display_type == "TEXTURED" and not linked.hide_render
+        bpy.ops.wm.save_as_mainfile(filepath=str(other))
+        bpy.ops.wm.open_mainfile(filepath=str(other))
 
 
 def test_an_error_is_reported_and_nothing_is_made(block):
