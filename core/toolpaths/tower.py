@@ -61,12 +61,13 @@ def tower_paths(loops: list[FloatArray], layers: int, settings: PrintSettings) -
     """
     if not loops or layers <= 0:
         return Paths.empty()
-    brim = first_layer_loops(tower_brim(loops, settings), Feature.TOWER, FirstIsland.TOWER_BRIM, _first_width(settings))
+    brim_width = settings.first_layer_extrusion_width
+    brim = first_layer_loops(tower_brim(loops, settings), Feature.TOWER, FirstIsland.TOWER_BRIM, brim_width)
     corners = len(loops[0])
     turned = [np.concatenate(_started(loops, corner)) for corner in range(corners)]
     count = np.tile(np.array([len(loop) for loop in loops], dtype=np.int64), layers)
     layer = np.repeat(np.arange(layers, dtype=np.int64), len(loops))
-    width = np.where(layer == 0, _first_width(settings), settings.extrusion_width)
+    width = np.where(layer == 0, _first_width(loops, settings), settings.extrusion_width)
     tower = Paths.alike(
         np.concatenate([turned[layer % corners] for layer in range(layers)]),
         starts(count),
@@ -81,14 +82,17 @@ def tower_paths(loops: list[FloatArray], layers: int, settings: PrintSettings) -
 
 def tower_brim(loops: list[FloatArray], settings: PrintSettings) -> list[FloatArray]:
     """Loops around the tower that hold it on the bed, the outermost first."""
-    width = _first_width(settings)
+    width = settings.first_layer_extrusion_width
     count = int(np.ceil(settings.tower_brim_width / width - 1e-9))
-    around = shapely.buffer(shapely.polygons(loops[-1]), width * np.arange(count, 0, -1), quad_segs=4)
+    narrower = (width - _first_width(loops, settings)) / 2  # than the brim's lines, the outermost loop to each side
+    around = shapely.buffer(shapely.polygons(loops[-1]), width * np.arange(count, 0, -1) - narrower, quad_segs=4)
     return [loop_points(ring) for ring in exterior_rings(np.asarray(around))]
 
 
-def _first_width(settings: PrintSettings) -> float:
-    return settings.first_layer_extrusion_width
+def _first_width(loops: list[FloatArray], settings: PrintSettings) -> float:
+    """Mm, how wide the loops are on the bed; several side by side have no room for wider lines than above."""
+    first = settings.first_layer_extrusion_width
+    return first if len(loops) == 1 else min(first, settings.extrusion_width)
 
 
 def _w(depth: float, line_width: float) -> FloatArray:

@@ -69,6 +69,21 @@ def test_several_loops_lie_side_by_side():
         assert shapely.LinearRing(outer).distance(shapely.LinearRing(inner)) == pytest.approx(0.4)
 
 
+@pytest.mark.parametrize("volume", [6.0, 20.0])
+@pytest.mark.parametrize("first", [0.3, 0.8])
+def test_lines_of_the_first_layer_do_not_overlap(volume, first):
+    settings = SETTINGS.changed({"purge_volume": volume, "first_layer_extrusion_width": first, "tower_brim_width": 3.0})
+    paths = tower_paths(tower_loops(60.0, settings), 2, settings).first_layer
+    rings = [shapely.LinearRing(loop) for loop in np.split(paths.points, paths.start[1:-1])]
+    widths = paths.width[paths.start[:-1]]
+    inwards = np.argsort([-ring.length for ring in rings])
+    for outer, inner in pairwise(inwards):
+        room = rings[outer].distance(rings[inner]) - (widths[outer] + widths[inner]) / 2
+        # Loops stay where those above are, however narrow their lines are.
+        assert room == pytest.approx(0.0, abs=0.02) or (0 < room < 0.12 and widths[outer] == widths[inner] == 0.3)
+    assert (widths[-1] == first) == (volume == 6.0 or first < 0.4)
+
+
 def test_no_layer_is_left_out_and_the_start_corner_turns():
     loops = tower_loops(100.0, SETTINGS)
     paths = tower_paths(loops, 11, SETTINGS)
