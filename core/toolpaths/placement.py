@@ -15,6 +15,7 @@ _FINE_MM = 0.25
 _AT_ONCE = 25  # places that are tested at once, the best first
 _SURE = 0.95  # share of a buffer's width that its polygonal arcs certainly cover
 _ROUGH_MM = 0.5  # accuracy of the obstacles for ruling out places inside them
+_TO_THE_REAR = 0.75  # share of the object's depth; more of it takes longer ways to many objects
 _TOUCHING_MM = 0.5  # least distance of a tower that the user places
 
 
@@ -82,11 +83,11 @@ def _hull(points: FloatArray) -> FloatArray:
 
 
 def _target(obstacles: shapely.Geometry) -> FloatArray:
-    """The middle of the object, a little to the rear, as that is where seams are."""
+    """A place to the rear of the object's middle: seams are there, and the tower does not stand before the picture."""
     if obstacles.is_empty:
         return np.zeros(2)
     left, front, right, back = shapely.bounds(obstacles)
-    return np.array([(left + right) / 2, front + 0.6 * (back - front)])
+    return np.array([(left + right) / 2, front + _TO_THE_REAR * (back - front)])
 
 
 def _reach(printer: PrinterProfile) -> tuple[FloatArray, FloatArray]:

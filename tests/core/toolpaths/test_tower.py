@@ -143,9 +143,9 @@ def test_it_stands_near_and_clear_of_all_else(obstacle, rotation):
     assert REACH.covers(outline.buffer(-0.01))
     assert not obstacle.intersects(outline)
     assert outline.convex_hull.distance(obstacle) >= settings.tower_distance - 0.05
-    # Half a step nearer to the middle, and it would be too near.
+    # Half a step nearer to the middle or rather behind it, and it would be too near.
     left, front, right, back = obstacle.bounds
-    way = np.array([(left + right) / 2, front + 0.6 * (back - front)]) - np.concatenate(loops).mean(axis=0)
+    way = np.array([(left + right) / 2, front + 0.75 * (back - front)]) - np.concatenate(loops).mean(axis=0)
     if np.hypot(*way) > 3.0:
         nearer = shapely.transform(outline.convex_hull, lambda points: points + way / np.hypot(*way))
         assert nearer.distance(obstacle) < settings.tower_distance or not REACH.covers(nearer)
@@ -154,7 +154,7 @@ def test_it_stands_near_and_clear_of_all_else(obstacle, rotation):
 def test_a_bay_that_is_wide_enough_holds_it():
     bay = shapely.MultiPolygon([shapely.box(-60, -60, -30, 60), shapely.box(30, -60, 60, 60)])
     center = np.concatenate(tower_where_free(bay, stack(100), SETTINGS)).mean(axis=0)
-    assert abs(center[0]) < 20 and abs(center[1]) < 20
+    assert abs(center[0]) < 20 and abs(center[1]) < 45
 
 
 def test_the_same_place_every_time_whatever_the_rounding():
@@ -200,3 +200,10 @@ def test_turning():
 def test_nothing_on_the_bed_puts_it_in_the_middle():
     x, y, _ = placed(np.array([[-5.0, -5], [5, -5], [5, 5], [-5, 5]]), shapely.Polygon(), SETTINGS)
     assert abs(x) <= 1.5 and abs(y) <= 1.5
+
+
+def test_it_stands_behind_what_is_wide_at_its_rear():
+    # Beside the foot, under the wings, it would be 2 mm nearer to the middle, and stand before the picture.
+    winged = shapely.union(shapely.box(-14, -25, 14, 15), shapely.box(-30, 15, 30, 25))
+    x, y, _ = placed(np.array([[-5.0, -5], [5, -5], [5, 5], [-5, 5]]), winged, SETTINGS)
+    assert abs(x) <= 15 and 25 + 5 + SETTINGS.tower_distance <= y + 1e-6 < 36
