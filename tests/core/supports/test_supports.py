@@ -95,6 +95,8 @@ def test_lines_cover_the_area_evenly(table):
         lines = lines_of(made.paths, feature, layer)
         area = made.covered[layer].buffer(-WIDTH / 2)
         assert 0.8 * area.area < sum(line.length for line in lines) * spacing < 1.3 * area.area
+        short = np.abs(np.subtract(shapely.union_all(lines).bounds, area.bounds)).reshape(2, 2).max(axis=0)
+        assert short.min() < 0.05  # along themselves, lines end at the edge
         uncovered = area.difference(shapely.union_all(lines).buffer(spacing / 2 + 0.05))
         assert uncovered.area < (0.03 if layer else 0.1) * area.area
 
