@@ -272,11 +272,21 @@ def test_no_support_crosses_the_wave(data, name, height, pattern):
     for layer in range(0, result.report["layers"], 4):
         held, width = layer_lines(moves, layer, [Feature.SUPPORT, Feature.SUPPORT_INTERFACE])
         walls, wall_width = layer_lines(moves, layer, [Feature.OUTER_WALL])
-        support, wall = shapely.STRtree(walls).query(held, "dwithin", WIDTH + settings.support_xy_distance)
+        support, wall = shapely.STRtree(walls).query(held, "dwithin", 2 * WIDTH + settings.support_xy_distance)
         air = shapely.distance(held[support], walls[wall]) - (width[support] + wall_width[wall]) / 2
         assert (air > settings.support_xy_distance - 1e-6).all()
-        seen += len(held) > 10
-    assert seen > 8
+        seen += len(air) > 10
+    assert seen > 5
+
+
+def test_wide_walls_of_the_first_layer_keep_their_air():
+    settings = SETTINGS.changed({"pattern": "offset", "first_layer_extrusion_width": 0.8})
+    moves = generate(TABLE, settings).moves
+    held, width = layer_lines(moves, 0, [Feature.SUPPORT])
+    walls, wall_width = layer_lines(moves, 0, [Feature.OUTER_WALL])
+    assert (wall_width == 0.8).all()
+    air = shapely.distance(held[:, None], walls) - width[:, None] / 2 - 0.4
+    assert settings.support_xy_distance < air.min() < settings.support_xy_distance + WIDTH
 
 
 def test_overlaps_are_looked_for_in_portions(monkeypatch):
