@@ -14,10 +14,9 @@ from typing import Protocol, TextIO
 
 from .commands import analyze, audit, build_table, demo, measure, plate, read_photo, render, tile
 from .commands import print as print_command
-from .commands.terminal import file_size
 from .core.companions import companions
 from .core.errors import PrintError
-from .core.files import OutputFiles, ended_by_signals, keep_inputs
+from .core.files import OutputFiles, ended_by_signals, file_size, keep_inputs
 from .core.settings import PrintSettings
 
 PROGRAM = "dualcolor"

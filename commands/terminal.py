@@ -91,8 +91,3 @@ def _solid_regions(solid: dict[str, float]) -> str:
         f"solid regions: {solid['regions']}, {solid['black_mm2']:.0f} mm² black, {solid['white_mm2']:.0f} mm² white; "
         f"{solid['tool_changes']:+d} tool changes, {minutes:+.1f} min"
     )
-
-
-def file_size(count: int) -> str:
-    """A number of bytes as text."""
-    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"

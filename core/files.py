@@ -55,6 +55,11 @@ def read_json(path: Path) -> Any:
         raise ValueError("nested too deeply") from None
 
 
+def file_size(count: int) -> str:
+    """A number of bytes as text."""
+    return f"{count / 1e6:.1f} MB" if count >= 1e6 else f"{count / 1e3:.1f} kB"
+
+
 def read_print_file(path: Path) -> bytes:
     """A G-code or X3G file.
 

@@ -9,6 +9,7 @@ import bpy
 from ..bridge.properties import set_report
 from ..bridge.strands.preview import source_of
 from ..core.exports import export_gcode, export_x3g
+from ..core.files import file_size
 from .file_choice import FileJob
 from .generate import printed, with_warnings
 from .job import Steps
@@ -34,7 +35,7 @@ class PrintExport(FileJob):
         result = WRITERS[self.kind](result, path)
         set_report(obj.dualcolor, result.report)
         # No report of a warning: one that follows a file browser pops up.
-        return with_warnings(f"{path.name}: {result.report[self.kind]['bytes'] / 1e6:.1f} MB", result)
+        return with_warnings(f"{path.name}: {file_size(result.report[self.kind]['bytes'])}", result)
 
 
 WRITERS = {"gcode": export_gcode, "x3g": export_x3g}

@@ -164,6 +164,7 @@ def test_the_last_message_tells_that_there_are_warnings(block, tmp_path, capfd):
     bpy.ops.dualcolor.export_gcode(filepath=str(tmp_path / "block.gcode"))
     assert len(report_of(block.dualcolor)["warnings"]) == 1  # it has no picture
     said = [line for line in capfd.readouterr().out.splitlines() if "see the results" in line]
+    assert " kB; 1 warning" in said[1]
     assert [line.split(":")[:2] for line in said] == [["Warning", " Cube"], ["Info", " block.gcode"]]
 
 
