@@ -47,10 +47,16 @@ def test_the_group_is_moved_as_one():
     np.testing.assert_allclose(places(pair, stay)[1], [[75, 4, 9], [80, 9, 19]])
 
 
-@pytest.mark.parametrize("pattern, crests", [("offset", 0.0), ("wave", 0.75)])
+SHIELD = {"pattern": "offset", "ooze_shield": True, "ooze_shield_distance": 2.0, "extrusion_width": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("changes", "crests"), [({"pattern": "offset"}, 0.0), ({"pattern": "wave"}, 0.75), (SHIELD, 2 * (2.0 + 0.5))]
+)
 @pytest.mark.parametrize("distance", [1.0, 8.0])
-def test_arranged_objects_stand_on_the_bed_clear_of_each_other(distance, pattern, crests):
-    settings = ARRANGE.changed({"arrange_distance": distance, "pattern": pattern})
+def test_arranged_objects_stand_on_the_bed_clear_of_each_other(distance, changes, crests):
+    """What lies around each of them, the crests of waves or a shield as thick as a line, counts as theirs."""
+    settings = ARRANGE.changed({"arrange_distance": distance, **changes})
     models = [named(box((0, 0, k), (20 + 5 * k, 12, 9 + k)), f"box {k}") for k in range(7)]
     found = places(plate(models, settings), settings)
     boxes = [shapely.box(*bounds[0, :2], *bounds[1, :2]) for bounds in found]
@@ -108,6 +114,28 @@ def test_pictures_are_shared_and_told_apart():
     assert len(whole.textures) == 2
     assert np.unique(whole.polygon_texture[whole.polygon_object == 2]).tolist() == [0]
     assert np.unique(whole.polygon_texture[whole.polygon_object == 1]).tolist() == [1]
+
+
+def test_polygons_without_a_picture_stay_without_one():
+    image, other, hidden = picture([[0.2]]), picture([[0.7]]), picture([[1.0]])
+    bare = cylinder(5, 3, sides=6, textures=[image])
+    count = len(bare.polygon_texture)
+    single = replace(bare, polygon_texture=np.where(np.arange(count) % 2, 0, -1))
+    several = replace(
+        bare,
+        textures=(other, image, hidden),
+        polygon_texture=np.arange(count) % 3 - 1,
+        polygon_visibility=np.full(count, 2),
+    )
+    whole = plate([single, named(several, "several"), named(bare, "bare")], SETTINGS)
+    shown = [whole.polygon_texture[whole.polygon_object == number] for number in range(3)]
+    seen = [[None if row < 0 else whole.textures[row] for row in rows] for rows in shown]
+    assert [row is image for row in seen[0]] == (single.polygon_texture == 0).tolist()
+    assert [row is None for row in seen[0]] == (single.polygon_texture < 0).tolist()
+    expected = [(None, other, image)[number] for number in np.arange(count) % 3]
+    assert all(one is two for one, two in zip(seen[1], expected, strict=True)) and set(shown[2]) == {shown[0].max()}
+    visible = [set(whole.polygon_visibility[whole.polygon_object == number]) for number in range(3)]
+    assert visible[0] == visible[2] == {-1} and [whole.textures[row] is hidden for row in visible[1]] == [True]
 
 
 def test_every_layer_has_the_islands_of_all():
