@@ -18,6 +18,7 @@ from ..bridge.paint.painting import (
     printed_attributes,
     set_up_painting,
 )
+from ..bridge.paint.unwrap import has_room_for_every_face
 from ..bridge.properties import repaint_proof
 from ..bridge.units import LENGTH_DIGITS
 from ..core.errors import PrintError
@@ -51,14 +52,16 @@ class DUALCOLOR_OT_set_up_painting(bpy.types.Operator):
         """Set it up."""
         obj = context.object
         texel = self.texel_size or obj.dualcolor.layer_height / 2
-        instead = _instead(obj)
+        first, notes = picture_of(obj) is None, _instead(obj)
         try:
             image = set_up_painting(obj, texel, obj.dualcolor.background_tone)
             repaint_proof(obj)
         except PrintError as problem:
             return refused(self, problem)
         message = f"Painting on {image.name}, {image.size[0]} × {image.size[1]}"
-        self.report({"WARNING" if instead else "INFO"}, message + instead)
+        if first and not has_room_for_every_face(obj.data):
+            notes += "; strokes may show in several places, for not every face has one of its own in the UV map: unwrap"
+        self.report({"WARNING" if notes else "INFO"}, message + notes)
         return {"FINISHED"}
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from ...core.model import Float32Array, FloatArray
 from ...core.texture.decode import srgb_from_linear
-from ...core.texture.uv_fit import is_one_to_one
 from ..input.image_input import image_pixels
 from ..input.mesh_input import evaluated_mesh
 from ..input.printed_materials import printed_materials
@@ -18,7 +17,7 @@ from ..mesh_data import layer_uv
 from .bake_scene import bake_into, bake_light, bake_scene, bake_target, working_in
 from .painting import picture_size
 from .unlit_materials import unlit_copy
-from .unwrap import add_uv_map, check_unwrappable, smart_project
+from .unwrap import add_uv_map, check_unwrappable, has_room_for_every_face, smart_project
 
 REPEATED = "modifiers repeat the UV map, so all that they repeat prints alike"
 
@@ -87,7 +86,7 @@ def _render_as_seen(copy: bpy.types.Object) -> None:
 def _fitting_uv_map(obj: bpy.types.Object, scene: bpy.types.Scene, copy: bpy.types.Object) -> FloatArray | None:
     """Give a mesh a UV map to bake by if the active one does not do; (C, 2) of each corner, None if it does."""
     layers = copy.data.uv_layers
-    if layers and _is_one_to_one(copy.data):
+    if layers and has_room_for_every_face(copy.data):
         return None
     check_unwrappable(obj)
     shown = next((layer.name for layer in layers if layer.active_render), "")
@@ -96,15 +95,6 @@ def _fitting_uv_map(obj: bpy.types.Object, scene: bpy.types.Scene, copy: bpy.typ
     if shown:
         layers[shown].active_render = True
     return layer_uv(layers.active)
-
-
-def _is_one_to_one(mesh: bpy.types.Mesh) -> bool:
-    mesh.calc_loop_triangles()
-    count = len(mesh.loop_triangles)
-    loops, area = np.empty(count * 3, dtype=np.int32), np.empty(count, dtype=np.float32)
-    mesh.loop_triangles.foreach_get("loops", loops)
-    mesh.loop_triangles.foreach_get("area", area)
-    return is_one_to_one(layer_uv(mesh.uv_layers.active)[loops].reshape(-1, 3, 2), area.astype(np.float64))
 
 
 def _with_all_materials(scene: bpy.types.Scene, copy: bpy.types.Object) -> bool:
@@ -118,7 +108,7 @@ def _with_all_materials(scene: bpy.types.Scene, copy: bpy.types.Object) -> bool:
     with working_in(scene, copy):
         depsgraph = bpy.context.evaluated_depsgraph_get()
         with evaluated_mesh(copy, depsgraph) as mesh:
-            repeated = bool(mesh.uv_layers) and not _is_one_to_one(mesh)
+            repeated = bool(mesh.uv_layers) and not has_room_for_every_face(mesh)
             given = len(mesh.materials) > len(copy.material_slots)
         if given:
             former, evaluated = copy.data, copy.evaluated_get(depsgraph)

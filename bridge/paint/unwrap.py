@@ -12,7 +12,8 @@ import numpy as np
 from ...core.errors import MeshError
 from ...core.mesh.unwrapping import ChartOptions, PackOptions, unwrapping
 from ...core.model import FloatArray
-from ..mesh_data import corner_vertices, positions
+from ...core.texture.uv_fit import is_one_to_one
+from ..mesh_data import corner_vertices, layer_uv, positions
 from ..units import mm_per_unit
 
 UV_LAYER = "Dual-Color"
@@ -152,3 +153,13 @@ def _copy_into(source: bpy.types.Mesh, target: bpy.types.Mesh) -> None:
     work.from_mesh(source)
     work.to_mesh(target)
     work.free()
+
+
+def has_room_for_every_face(mesh: bpy.types.Mesh) -> bool:
+    """Whether each face of a mesh has a place of its own in the active UV map."""
+    mesh.calc_loop_triangles()
+    count = len(mesh.loop_triangles)
+    loops, area = np.empty(count * 3, dtype=np.int32), np.empty(count, dtype=np.float32)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    mesh.loop_triangles.foreach_get("area", area)
+    return is_one_to_one(layer_uv(mesh.uv_layers.active)[loops].reshape(-1, 3, 2), area.astype(np.float64))

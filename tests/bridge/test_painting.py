@@ -274,3 +274,13 @@ def test_buttons_say_what_is_missing(registered):
     add_box()
     with pytest.raises(RuntimeError, match="Choose an image"):
         bpy.ops.dualcolor.gray_from_color()
+
+
+def test_strokes_that_would_show_in_several_places_are_told_of(registered, capfd):
+    for uv, told in ((None, True), ("unwrapped", False)):
+        box = add_box((20, 30, 40))
+        if uv is None:
+            add_uvs(box)
+        bpy.ops.dualcolor.set_up_painting()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert ("strokes may show in several places" in capfd.readouterr().out) == told
