@@ -139,7 +139,15 @@ def _prime_lines(settings: PrintSettings, tool: int, fed: float, retracted: floa
     return [
         f"G1 X{start_x:.3f} Y{middle_y + y:.3f} {travel}",
         f"G1 Z{height:.3f} {lift}",
-        f"G1 X{end_x:.3f} {axis}{fed:.5f} F{min(settings.first_layer_speed, PRIME_SPEED_MM_S) * 60:.0f}",
+        f"G1 X{end_x:.3f} {axis}{fed:.5f} F{_prime_speed(settings) * 60:.0f}",
         *pull_back,
         f"G1 Z{height + CLEARANCE_MM:.3f} {lift}",
     ]
+
+
+def _prime_speed(settings: PrintSettings) -> float:
+    """Mm/s along the priming line, no faster than its plastic melts."""
+    speed = min(settings.first_layer_speed, PRIME_SPEED_MM_S)
+    if settings.max_volumetric_speed > 0:
+        speed = min(speed, settings.max_volumetric_speed / (PRIME_WIDTH_MM * settings.first_layer_height))
+    return speed

@@ -257,6 +257,12 @@ def test_priming_lines_keep_away_from_the_print(front):
     assert -76 < y < front - 1
 
 
+@pytest.mark.parametrize("height, volume, speed", [(0.25, 8.0, 30), (0.4, 8.0, 20), (0.5, 8.0, 16), (0.5, 0.0, 30)])
+def test_priming_lines_melt_no_more_plastic_than_the_nozzle_can(height, volume, speed):
+    lines = start_of(rosette(2, 9), PrintSettings(first_layer_height=height, max_volumetric_speed=volume))
+    assert [line.split("F")[1] for line in lines if re.match(r"G1 X\S+ [AB]", line)] == [f"{speed * 60}"] * 2
+
+
 def test_numbers_the_file_cannot_hold():
     moves = rosette(1, 9)
     with pytest.raises(ValueError, match="no moves"):
