@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
-from concurrent.futures import ThreadPoolExecutor, wait
-from typing import TypeVar
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from typing import Any, TypeVar
 
 Progress = tuple[float, str]
 """Share done, and the name of what comes next."""
@@ -48,9 +48,15 @@ def awaited(work: Callable[[], _Result], step: _Step) -> Generator[_Step, None, 
 
     Closing the job abandons the work, which must therefore change nothing.
     """
-    thread = ThreadPoolExecutor(1)
-    result = thread.submit(work)
-    thread.shutdown(wait=False)
+    result = in_own_thread(work)
     while wait([result], _LOOK_S).not_done:
         yield step
     return result.result()
+
+
+def in_own_thread(work: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
+    """Begin work in a thread that ends with it; whoever no longer needs its result need not wait for it."""
+    thread = ThreadPoolExecutor(1)
+    result = thread.submit(work, *arguments)
+    thread.shutdown(wait=False)
+    return result

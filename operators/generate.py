@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Generator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 
@@ -16,7 +15,7 @@ from ..bridge.strands.preview import build_preview, source_of, strands_of
 from ..core.errors import counted
 from ..core.model import SurfaceModel
 from ..core.pipeline import DualColorPrint, steps
-from ..core.progress import Progress, awaited, translated
+from ..core.progress import Progress, awaited, in_own_thread, translated
 from ..core.settings import PrintSettings
 from .job import JobOperator, Steps
 from .polls import has_printable
@@ -58,9 +57,7 @@ def printed(
     settings = to_settings(obj.dualcolor)
     images = [each.dualcolor.image for each in objects]
     model = plate_model(objects, context.evaluated_depsgraph_get(), settings, images)
-    beside = ThreadPoolExecutor(1)  # reading all texels takes as long as a stage
-    digest = beside.submit(digest_of, model, settings)
-    beside.shutdown(wait=False)
+    digest = in_own_thread(digest_of, model, settings)  # reading all texels takes as long as a stage
     result = kept(obj, digest.result()) if reuse else None
     if result is None:
         job = steps(model, settings, stages_of(obj), begin_gcode)

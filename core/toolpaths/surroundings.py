@@ -15,7 +15,7 @@ from .brim import brim_area, brim_paths
 from .loops import exterior_rings
 from .placement import placed, turned
 from .raft import raft_area, raft_paths
-from .shield import shield_area, shield_paths
+from .shield import shield_paths, shield_walls
 from .skirt import skirt_paths
 from .tower import tower_brim, tower_loops, tower_paths
 
@@ -116,15 +116,17 @@ def surrounding_paths(on_bed: Ground, layers: Layers, settings: PrintSettings) -
         MeshError: the bed has no room for the tower.
         SettingsError: the tower does not fit where the user wants it.
     """
-    shield = shield_paths(on_bed.shadow, len(layers), settings)
     first_width = settings.first_layer_extrusion_width
-    inside_shield = shield_area(on_bed.shadow, max(first_width, settings.extrusion_width), settings)
+    walls, inside_shield = shield_walls(on_bed.shadow, settings), on_bed.shadow
+    if settings.ooze_shield:
+        inside_shield = shapely.buffer(walls, max(first_width, settings.extrusion_width) / 2)
+    shield = shield_paths(walls, len(layers), settings)
     raft = raft_paths(on_bed.first, settings)
     # What stands within a hole, as in letters, gets no brim that would fill the hole.
     first = shapely.union_all(shapely.polygons(exterior_rings(np.array([on_bed.first]))))
     if settings.ooze_shield:
-        wall = shield_area(on_bed.shadow, first_width, settings)
-        first = shapely.union(first, shapely.difference(wall, shapely.buffer(wall, -first_width)))
+        outer = shapely.buffer(walls, first_width / 2)
+        first = shapely.union(first, shapely.difference(outer, shapely.buffer(outer, -first_width)))
     brim = brim_paths(first, settings)
     covered = brim_area(first, settings)
     tower = tower_where_free(shapely.union(inside_shield, covered), layers, settings)

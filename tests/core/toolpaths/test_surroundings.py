@@ -11,7 +11,7 @@ from dualcolor.core.pipeline import generate
 from dualcolor.core.toolpaths.brim import brim_area, brim_paths
 from dualcolor.core.toolpaths.loops import on_layers
 from dualcolor.core.toolpaths.order import ordered
-from dualcolor.core.toolpaths.shield import shield_paths
+from dualcolor.core.toolpaths.shield import shield_paths, shield_walls
 from dualcolor.core.toolpaths.skirt import skirt_paths, skirt_warnings
 from dualcolor.core.toolpaths.surroundings import Ground, ground, shadow, surrounding_paths
 from dualcolor.tests.core.toolpaths.bed import REACH, SETTINGS, loops_of, stack
@@ -65,13 +65,13 @@ def test_brim_of_an_object_within_a_ring_stays_together():
 def test_shield_stands_on_every_layer_at_its_distance():
     settings = SETTINGS.changed({"ooze_shield": True, "ooze_shield_distance": 3.0})
     shadow = shapely.box(-10, -5, 10, 5)
-    paths = shield_paths(shadow, 7, settings)
+    paths = shield_paths(shield_walls(shadow, settings), 7, settings)
     assert paths.layer.tolist() == list(range(7)) and (paths.feature == Feature.OOZE_SHIELD).all()
     for loop in loops_of(paths, Feature.OOZE_SHIELD):
         ring = shapely.LinearRing(loop)
         assert ring.distance(shadow) == pytest.approx(3.2, abs=0.1)
         assert shapely.Polygon(ring).contains(shadow)
-    assert not len(shield_paths(shadow, 7, SETTINGS).layer)
+    assert not len(shield_paths(shield_walls(shadow, SETTINGS), 7, SETTINGS).layer)
 
 
 def test_shield_is_as_wide_on_the_bed_as_the_first_layer_and_its_brim_touches_it():
